@@ -30,7 +30,7 @@ enum { ITERATIONS = 200, POLISH = 60, MORE = 8 };
 
 static int open_search(struct search *s, const struct pk_problem *problem)
 {
-    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t n = pk_count_of(problem);
     memset(s, 0, sizeof *s);
     s->problem = problem;
     s->n = s->rows = n;
@@ -78,10 +78,10 @@ static int derivatives(struct search *s)
     const size_t n = s->n;
     if (is_bound(s))
         return pk_bound_derivatives(s);
-    system->mass(problem->params, 0, s->q, s->v, NULL, s->M);
-    system->jacobian(problem->params, 0, s->q, s->v, NULL, s->p_q, s->F_q, s->F_v);
+    system->mass(OF(s), s->M);
+    system->jacobian(OF(s), s->p_q, s->F_q, s->F_v);
     if (system->n_first_order)
-        system->linear(problem->params, 0, s->q, s->v, NULL, s->rest, s->F_q, s->F_v, s->r_t);
+        system->linear(OF(s), s->rest, s->F_q, s->F_v, s->r_t);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) {
             const size_t x = i * n + j;
@@ -152,8 +152,7 @@ static double correction(struct search *s)
     return most;
 }
 
-/* Refines the current state by Newton's method while the corrections shrink. Returns whether the
- * refined state is a root. */
+/* Refines the state by Newton's method while corrections shrink. Returns whether it is a root. */
 static int is_root(struct search *s)
 {
     double size = correction(s);
@@ -256,8 +255,7 @@ static int try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vecto
     return 0;
 }
 
-/* Solves from a starting point, then again with known roots deflated, until no new root is
- * found. */
+/* Solves from a starting point, then again with known roots deflated, until no root is new. */
 static void search_from(struct search *s, size_t point, gsl_multiroot_fdfsolver *solver,
                         gsl_vector *z, gsl_multiroot_function_fdf *function,
                         struct pk_equilibria *found)
@@ -283,7 +281,7 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
         ((bound || system->n_first_order) && !system->linear))
         return PK_REFUSED;
     struct search s;
-    const size_t n = pk_system_count(system, problem->params);
+    const size_t n = pk_count_of(problem);
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
     gsl_multiroot_fdfsolver *solver =
         gsl_multiroot_fdfsolver_alloc(gsl_multiroot_fdfsolver_hybridsj, n);

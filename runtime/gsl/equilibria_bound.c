@@ -34,9 +34,9 @@ int pk_bound_equations(struct search *s)
     const struct pk_problem *problem = s->problem;
     const struct pk_system *system = problem->system;
     const size_t n = s->n, Q = quaternions(s), w = Q - 3 * system->n_rotations;
-    if (system->acceleration(problem->params, 0, s->q, s->v, NULL, s->pdot))
+    if (system->acceleration(OF(s), s->pdot))
         return 0;
-    system->unconstrained(problem->params, 0, s->q, s->v, NULL, s->p, s->rest);
+    system->unconstrained(OF(s), s->p, s->rest);
     memset(s->rest, 0, n * sizeof *s->rest);
     for (size_t i = 0; i < n; i++)
         s->F[i] = is_cyclic(s, i)      ? s->p[i] - s->kept[i]
@@ -47,13 +47,13 @@ int pk_bound_equations(struct search *s)
         const double *q = s->v + Q + 4 * r;
         for (size_t i = 0; i < 3; i++)
             s->F[Q + 4 * r + i] = s->pdot[w + 3 * r + i];
-        s->F[Q + 4 * r + 3] = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1) / 2;
+        s->F[Q + 4 * r + 3] = (pk_dot(q, q, 4) - 1) / 2;
     }
     const struct pk_part_constraints *kept = &system->constraints;
     if (kept->n_holonomic)
-        kept->values(problem->params, 0, s->q, s->v, NULL, s->F + n);
+        kept->values(OF(s), s->F + n);
     if (kept->n)
-        kept->jacobian(problem->params, 0, s->q, s->v, NULL, s->F_v, s->F + n + kept->n_holonomic);
+        kept->jacobian(OF(s), s->F_v, s->F + n + kept->n_holonomic);
     return pk_all_finite(s->F, s->rows);
 }
 

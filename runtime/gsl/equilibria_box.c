@@ -23,8 +23,7 @@ void pk_equilibria_normalise(struct search *s)
 
 /* Point 0 is the middle of the box. Half of the other points k lie in the box, a quarter in a box 4
  * times as wide and a quarter in one 32 times as wide; k % 4 chooses the box. Angles always lie in
- * the box. The bases of Halton's sequence begin at 3, since base 2 correlates with the choice of
- * the box. */
+ * the box. The bases of Halton's sequence begin at 3, since base 2 correlates with k % 4. */
 void pk_equilibria_place(struct search *s, size_t k)
 {
     static const double widths[] = {32, 1, 4, 1};
@@ -35,8 +34,7 @@ void pk_equilibria_place(struct search *s, size_t k)
     }
     for (size_t i = quaternions(s); k && i < quaternions(s) + 4 * s->problem->system->n_rotations;
          i++)
-        /* The initial quaternion is removed, so that points have any orientation, not only those
-         * near it. */
+        /* The initial quaternion is removed, so that points have any orientation. */
         s->v[i] -= s->middle[i];
     pk_equilibria_normalise(s);
 }
@@ -47,8 +45,7 @@ void pk_equilibria_place(struct search *s, size_t k)
 static int is_turn(struct search *s, size_t i)
 {
     /* for each number compared: its largest size and largest change by the turn */
-    double *size = s->p_q, *change = s->F_q;
-    double *copy = s->M;
+    double *size = s->p_q, *change = s->F_q, *copy = s->M;
     const size_t n = s->n;
     const struct {
         const double *of;

@@ -1,6 +1,5 @@
 /* Deflation: a factor of the equations that removes known roots.
- * Reference: P. E. Farrell, A. Birkisson, S. W. Funke, SIAM J. Sci. Comput. 37 (2015) A2026.
- */
+ * Reference: P. E. Farrell, A. Birkisson, S. W. Funke, SIAM J. Sci. Comput. 37 (2015) A2026. */
 #include <string.h>
 
 #include <pk/gsl_equilibria.h>
@@ -22,7 +21,7 @@ static double apart(struct search *s, const struct pk_equilibria *known, size_t 
     const size_t part = i - quaternions(s);
     if (part < 4 * s->problem->system->n_rotations) {
         const double *Q = s->v + (i - part % 4), *R = root + (i - part % 4);
-        *half = Q[part % 4] - (Q[0] * R[0] + Q[1] * R[1] + Q[2] * R[2] + Q[3] * R[3]) * root[i];
+        *half = Q[part % 4] - pk_dot(Q, R, 4) * root[i];
         return part % 4 ? 0 : fmax(turned(Q, R), 0);
     }
     if (!c && s->turns[i]) {

@@ -13,8 +13,7 @@ double pk_equilibria_energy(const struct search *s, const double *q, const doubl
 }
 
 /* Returns whether the state is on the same continuum of equilibria as known root k. The test
- * compares their energies; with nonholonomic constraints, it also accepts equal eigenvalues of the
- * linearised equations. */
+ * compares their energies; with nonholonomic constraints, it also accepts equal eigenvalues. */
 static int is_continued(struct search *s, double h, double size, const struct pk_equilibria *found,
                         size_t k)
 {

@@ -1,7 +1,6 @@
 /* The search for equilibria, shared by its files: starting points (equilibria_box.c), Newton's
  * method (equilibria.c), deflation (equilibria_deflate.c), the list of roots (equilibria_known.c),
- * rotations and constraints (equilibria_bound.c). Not installed.
- */
+ * rotations and constraints (equilibria_bound.c). Not installed. */
 #ifndef PK_GSL_EQUILIBRIA_SEARCH_H
 #define PK_GSL_EQUILIBRIA_SEARCH_H
 
@@ -40,10 +39,7 @@ struct search {
     const struct pk_equilibria *known; /* roots to deflate, or NULL */
 };
 
-static inline size_t coordinates(const struct search *s)
-{
-    return pk_system_coordinates(s->problem->system, s->problem->params);
-}
+static inline size_t coordinates(const struct search *s) { return pk_coordinates_of(s->problem); }
 
 static inline int is_cyclic(const struct search *s, size_t i)
 {
@@ -71,8 +67,8 @@ static inline int is_body_rate(const struct search *s, size_t i)
 /* Returns |Q|^2 - (Q.R)^2: for unit quaternions, the squared sine of half the angle from Q to R. */
 static inline double turned(const double *Q, const double *R)
 {
-    const double same = Q[0] * R[0] + Q[1] * R[1] + Q[2] * R[2] + Q[3] * R[3];
-    return Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3] - same * same;
+    const double same = pk_dot(Q, R, 4);
+    return pk_dot(Q, Q, 4) - same * same;
 }
 
 /* Returns whether unknown i is v_i (cyclic coordinates, first-order variables); else it is q_i. */
@@ -87,8 +83,7 @@ static inline double *unknown(struct search *s, size_t i)
     return (is_by_rate(s, i) ? s->v : s->q) + i;
 }
 
-/* Returns the length scale of unknown i: its box, or its distance from the middle if that is
- * larger. */
+/* Returns the length scale of unknown i: its box or, if larger, its distance from the middle. */
 static inline double reach(struct search *s, size_t i)
 {
     return fmax(s->box[i], fabs(*unknown(s, i) - s->middle[i]));
@@ -104,9 +99,11 @@ typedef int pk_gsl_matrix(const gsl_vector *z, void *search, gsl_matrix *J);
 int pk_bound_equations(struct search *s);
 int pk_bound_derivatives(struct search *s);
 void pk_bound_solve(struct search *s, pk_gsl_vector *f, pk_gsl_matrix *df);
-/* Overwrites the first n numbers of F with Newton's correction of least norm; returns 0 on
- * failure. */
+/* Sets the first n numbers of F to Newton's correction of least norm; returns 0 on failure. */
 int pk_bound_correct(struct search *s);
+
+/* The arguments of a kernel at the current state. */
+#define OF(s) (s)->problem->params, 0, (s)->q, (s)->v, NULL
 
 /* Computes the residuals F at the current state; returns 0 if one of them is not finite. */
 static inline int equations(struct search *s)
@@ -115,10 +112,10 @@ static inline int equations(struct search *s)
     const struct pk_system *system = problem->system;
     if (is_bound(s))
         return pk_bound_equations(s);
-    system->canonical(problem->params, 0, s->q, s->v, NULL, s->p, s->pdot);
+    system->canonical(OF(s), s->p, s->pdot);
     /* f of M a = f: for coordinates pdot at rest, for first-order variables their rates */
     if (system->n_first_order)
-        system->force(problem->params, 0, s->q, s->v, NULL, s->pdot);
+        system->force(OF(s), s->pdot);
     for (size_t i = 0; i < s->n; i++)
         s->F[i] = is_cyclic(s, i) ? s->p[i] - s->kept[i]
                   : s->unread[i]  ? s->v[i] - s->middle[i]

@@ -1,7 +1,6 @@
 /* Halton's sequence: deterministic points that fill a box evenly. Coordinate i of point k is the
  * radical inverse of k (its digits mirrored at the radix point) in the i-th prime base. Reference:
- * J. H. Halton, Numer. Math. 2 (1960) 84.
- */
+ * J. H. Halton, Numer. Math. 2 (1960) 84. */
 #ifndef PK_GSL_HALTON_H
 #define PK_GSL_HALTON_H
 

@@ -9,7 +9,6 @@
 #include <pk/gsl.h>
 
 #include "../src/core/internal.h"
-#include "largest.h"
 
 enum {
     /* limit of the largest prime factor p of the number of samples; a transform takes time p^2 */
@@ -89,7 +88,7 @@ enum pk_status pk_gsl_loop_area(double *q, double *p, size_t count, double windi
         return PK_BAD_ARGUMENT;
     if (!pk_all_finite(q, count) || !pk_all_finite(p, count))
         return PK_NOT_FINITE;
-    const double most_q = largest(q, count), most_p = largest(p, count);
+    const double most_q = pk_largest(q, count), most_p = pk_largest(p, count);
     for (size_t k = 0; k < count; k++)
         q[k] -= winding * (double)k / (double)count;
     if (!transform(q, p, count))

@@ -8,7 +8,6 @@
 #include <pk/gsl_equilibria.h>
 
 #include "../src/core/internal.h"
-#include "largest.h"
 
 /* numbers below this fraction of the scale of K and M count as 0 */
 static const double SAME = 1e-12;
@@ -26,7 +25,7 @@ static enum pk_status pencil(const struct pk_problem *problem, size_t n, const d
     system->jacobian(problem->params, 0, q, rest, NULL, P, K, G);
     if (!pk_all_finite(M, n * n) || !pk_all_finite(K, n * n) || !pk_all_finite(work, 2 * n * n))
         return PK_NOT_FINITE;
-    const double k = largest(K, n * n), m = largest(M, n * n);
+    const double k = pk_largest(K, n * n), m = pk_largest(M, n * n);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j <= i; j++) {
             const size_t a = i * n + j, b = j * n + i;
@@ -38,8 +37,7 @@ static enum pk_status pencil(const struct pk_problem *problem, size_t n, const d
     return PK_DONE;
 }
 
-/* Copies column k of U, which is a mode, to `shape`. Chooses the mode's sign so that its largest
- * entry is positive. */
+/* Copies column k of U, a mode, to `shape`, with the sign that makes its largest entry positive. */
 static void take(size_t n, const double *U, size_t k, double *shape)
 {
     double most = 0;
@@ -53,7 +51,7 @@ static void take(size_t n, const double *U, size_t k, double *shape)
 enum pk_status pk_gsl_normal(const struct pk_problem *problem, const double *q, double *M,
                              double *squares, double *shapes)
 {
-    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t n = pk_count_of(problem);
     if (!problem->system->mass || !problem->system->jacobian)
         return PK_REFUSED;
     double *K = (double *)malloc((4 * n * n + n) * sizeof *K);
@@ -65,7 +63,7 @@ enum pk_status pk_gsl_normal(const struct pk_problem *problem, const double *q, 
         memcpy(work, M, n * n * sizeof *M);
         status = pk_ldl_factor(work, n) ? PK_SINGULAR_MASS : pk_gsl_pencil(n, K, M, squares, U);
     }
-    const double most = status == PK_DONE ? largest(squares, n) : 0;
+    const double most = status == PK_DONE ? pk_largest(squares, n) : 0;
     for (size_t i = 0; i < n && status == PK_DONE; i++) {
         take(n, U, i, shapes + i * n);
         if (fabs(squares[i]) <= SAME * most)
@@ -80,14 +78,10 @@ void pk_normal_energies(size_t n, const double *M, const double *squares, const 
 {
     for (size_t k = 0; k < n; k++) {
         const double *u = shapes + k * n;
-        double Q = 0, P = 0;
-        for (size_t i = 0; i < n; i++) {
-            double row = 0;
-            for (size_t j = 0; j < n; j++)
-                row += M[i * n + j] * q[j];
-            Q += u[i] * row;
-            P += u[i] * p[i];
-        }
+        const double P = pk_dot(u, p, n);
+        double Q = 0;
+        for (size_t i = 0; i < n; i++)
+            Q += u[i] * pk_dot(M + i * n, q, n);
         E[k] = (P * P + squares[k] * Q * Q) / 2;
     }
 }

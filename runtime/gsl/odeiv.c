@@ -6,8 +6,7 @@
  * References: GNU Scientific Library Reference Manual, "Ordinary Differential Equations";
  * E. Fehlberg, NASA TR R-315 (1969); P. J. Prince, J. R. Dormand, J. Comp. Appl. Math. 7 (1981) 67;
  * G. Bader, P. Deuflhard, Numer. Math. 41 (1983) 373; G. D. Byrne, A. C. Hindmarsh, ACM TOMS 1
- * (1975) 71.
- */
+ * (1975) 71. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -170,35 +169,36 @@ static enum pk_status fall_back(struct foreign *f, enum pk_status status)
 
 static enum pk_status step(struct pk_integrator *it, pk_real limit)
 {
-    struct foreign *f = (struct foreign *)it->own->extra;
+    struct pk_integrator_private *const own = it->own;
+    struct foreign *f = (struct foreign *)own->extra;
     const double left = limit - it->t;
     double t = it->t, h = f->h;
     if (!(h * left > 0)) { /* in the first step, or after the direction of time has changed */
         h = it->options.h > 0 ? it->options.h : 1e-3 * (left > 0 ? left : -left);
         h = left > 0 ? h : -h;
-        it->own->flags = 0;
+        own->flags = 0;
     }
-    if (!(it->own->flags & PK_HAVE_STEP)) /* the last step was not accepted: GSL must discard it */
+    if (!(own->flags & PK_HAVE_STEP)) /* the last step was not accepted: GSL must discard it */
         fall_back(f, PK_DONE);
-    it->own->flags = 0;
+    own->flags = 0;
     if (it->options.h_max > 0 && (h > it->options.h_max || h < -it->options.h_max))
         h = h > 0 ? it->options.h_max : -it->options.h_max;
     const double round = 10 * DBL_EPSILON * (t > 0 ? t : -t) + DBL_MIN;
     const double least = it->options.h_min > round ? it->options.h_min : round;
 
-    const size_t bytes = (it->n_q + it->n) * sizeof *it->own->next;
+    const size_t bytes = (it->n_q + it->n) * sizeof *own->next;
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
     const unsigned long rejected = f->driver->e->failed_steps;
-    memcpy(it->own->next, it->own->state, bytes);
+    memcpy(own->next, own->state, bytes);
     f->status = PK_DONE;
     enum pk_status status = PK_DONE;
     const double planned = h;
     for (;;) {
         const int failed = gsl_odeiv2_evolve_apply(f->driver->e, f->driver->c, f->driver->s,
-                                                   &f->system, &t, limit, &h, it->own->next);
+                                                   &f->system, &t, limit, &h, own->next);
         if (!failed)
             break;
-        memcpy(it->own->next, it->own->state, bytes);
+        memcpy(own->next, own->state, bytes);
         t = it->t;
         gsl_odeiv2_step_reset(f->driver->s);
         h *= 0.2;
@@ -210,18 +210,17 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     }
     it->count.rejections += f->driver->e->failed_steps - rejected;
     const double made = t - it->t;
-    if (status >= 0 && !(made > least || made < -least) && !(t <= limit && t >= limit)) {
+    if (status >= 0 && !(made > least || made < -least) && !(t <= limit && t >= limit))
         status = pk_underflow(it, made);
-    }
     gsl_set_error_handler(handler);
     if (status < 0)
         return fall_back(f, status);
     /* A step shortened by the limit does not determine the size of the next step. */
     const int cut = (t <= limit && t >= limit) && made * made < planned * planned;
     f->h = cut && h * h < planned * planned ? planned : h;
-    it->own->next_t = t;
-    it->own->h = f->h;
-    it->own->flags = PK_HAVE_STEP;
+    own->next_t = t;
+    own->h = f->h;
+    own->flags = PK_HAVE_STEP;
     return PK_DONE;
 }
 

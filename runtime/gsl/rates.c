@@ -13,8 +13,7 @@
 enum pk_status pk_gsl_linearised(const struct pk_problem *problem, double t, const double *q,
                                  const double *v, gsl_matrix *A)
 {
-    const size_t n = pk_system_count(problem->system, problem->params);
-    const size_t m = pk_system_coordinates(problem->system, problem->params);
+    const size_t n = pk_count_of(problem), m = pk_coordinates_of(problem);
     double *block =
         (double *)calloc(2 * n * n + 2 * n + pk_system_linear_size(problem), sizeof *block);
     if (!block)
@@ -41,8 +40,7 @@ enum pk_status pk_gsl_linearised(const struct pk_problem *problem, double t, con
 enum pk_status pk_gsl_unread(const struct pk_problem *problem, const double *q, const double *v,
                              unsigned char *unread)
 {
-    const size_t n = pk_system_count(problem->system, problem->params);
-    const size_t m = pk_system_coordinates(problem->system, problem->params), N = n + m;
+    const size_t n = pk_count_of(problem), m = pk_coordinates_of(problem), N = n + m;
     gsl_matrix *A = gsl_matrix_alloc(N, N);
     double *place = (double *)calloc(2 * n, sizeof *place);
     enum pk_status status = A && place ? PK_DONE : PK_NO_MEMORY;
@@ -68,8 +66,7 @@ enum pk_status pk_gsl_unread(const struct pk_problem *problem, const double *q, 
 enum pk_status pk_gsl_rates(const struct pk_problem *problem, double t, const double *q,
                             const double *v, double *growth, double *frequency, size_t *count)
 {
-    const size_t n = pk_system_count(problem->system, problem->params);
-    const size_t N = n + pk_system_coordinates(problem->system, problem->params);
+    const size_t n = pk_count_of(problem), N = n + pk_coordinates_of(problem);
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
     gsl_eigen_nonsymm_workspace *w = gsl_eigen_nonsymm_alloc(N);
     gsl_matrix *A = gsl_matrix_alloc(N, N);

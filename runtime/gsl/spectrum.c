@@ -5,8 +5,7 @@
  * length, so that the frequency grid is finer than the width of a line.
  *
  * Gauss-Newton iterations determine mean, rate, and a, b, w of each line a cos wt + b sin wt,
- * weighted by Hann's window; time runs from -1 to 1 over the samples, so that the normal equations
- * are well scaled. */
+ * weighted by Hann's window; time runs from -1 to 1, for well-scaled normal equations. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -65,8 +64,7 @@ static double peak(const double *x, size_t count, double dt, double lo, double h
     return (a + b) / 2 / half;
 }
 
-/* Returns the model at one sample, and its derivatives with respect to the m unknowns: mean, rate,
- * and a, b, w of each line. */
+/* Returns the model at one sample, and its derivatives by the m unknowns: mean, rate, a, b, w. */
 static double model(size_t lines, const double *z, double s, double *by)
 {
     double sum = z[0] + z[1] * s;
@@ -135,8 +133,7 @@ static void measure(struct pk_spectrum *spectrum, const double *x, size_t count,
 {
     double rest = 0, all = 0, by[MOST];
     for (size_t j = 0; j < count; j++) {
-        const double s = sample_time(j, count), smooth = z[0] + z[1] * s;
-        const double moving = x[j] - smooth;
+        const double s = sample_time(j, count), smooth = z[0] + z[1] * s, moving = x[j] - smooth;
         left[j] = x[j] - model(spectrum->count, z, s, by);
         rest += window(s) * left[j] * left[j];
         all += window(s) * moving * moving;
@@ -185,8 +182,7 @@ static void judge(struct pk_spectrum *spectrum, const double *x, size_t count, d
         spectrum->lines[k].error = PK_EPSILON * spectrum->lines[k].frequency; /* round-off */
     for (int part = 0; part < 2; part++) {
         struct pk_spectrum of_half = *spectrum;
-        /* The last lines, found in rounding, may not exist in half of the samples, and are dropped
-         * there. */
+        /* Last lines, found in rounding, may be absent in half of the samples: they are dropped. */
         while (fit(&of_half, x + (part ? count - half : 0), half, dt, left) < 0 &&
                of_half.count > 0)
             of_half.count--;

@@ -28,8 +28,7 @@ int write_npy(const struct pk_run *run, const char *path)
     fprintf(head, "], 'fortran_order': False, 'shape': (%zu,), }", count);
     int failed = fclose(head) != 0;
     /* The file begins with a magic string, the version 1.0 and the header's length (10 bytes in
-     * all). Blanks after the header make the length of the beginning and the header a multiple of
-     * 64 bytes. */
+     * all). Blanks after the header make the whole a multiple of 64 bytes. */
     const size_t length = (size + 11 + 63) / 64 * 64 - 10;
     failed |= length > UINT16_MAX;
     if (!failed) {

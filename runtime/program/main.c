@@ -1,8 +1,7 @@
 /* The program that `pkgen build` makes of a model: it reads options, runs the model by pk/run.h,
  * and writes rows and a report. It needs only the C library.
  *
- * Exit codes: those of enum pk_run_code.
- */
+ * Exit codes: those of enum pk_run_code. */
 #define _POSIX_C_SOURCE 200809L
 
 #include "program.h"

@@ -49,7 +49,8 @@ static void add(struct program *p, const struct list *of, struct pk_run_value x)
 struct option {
     const char *name, *value, *help;
     int (*take)(struct program *p, const struct option *o, const char *text);
-    size_t offset;     /* offset in struct pk_run_settings of the number that the option sets */
+    /* offset of the number that the option sets in the settings, or of a text in struct program */
+    size_t offset;
     const char *kinds; /* kinds of lists that assign() may append to */
 };
 
@@ -155,13 +156,6 @@ static int count(struct program *p, const struct option *o, const char *text)
     return 0;
 }
 
-static int method(struct program *p, const struct option *o, const char *text)
-{
-    (void)o;
-    p->settings.method = text;
-    return 0;
-}
-
 static int checkpoint(struct program *p, const struct option *o, const char *path)
 {
     (void)o;
@@ -177,9 +171,10 @@ static int table(struct program *p, const struct option *o, const char *path)
     return table_read(p, path);
 }
 
-static int shard(struct program *p, const struct option *o, const char *text)
+/* Sets a text of struct program. */
+static int word(struct program *p, const struct option *o, const char *text)
 {
-    *(o->value[0] == 'F' ? o->name[2] == 's' ? &p->starts : &p->to : &p->shard) = text;
+    memcpy((char *)p + o->offset, &text, sizeof text);
     return 0;
 }
 
@@ -203,7 +198,7 @@ static const struct option options[] = {
     {"--start", "a=VALUE", "a coordinate or a rate", assign, 0, "qv"},
     {"--size", "N=64", "length of a family", assign, 0, "s"},
     {"--until", "T", "duration", number, PLACE(until), ""},
-    {"--method", "NAME", "see pkgen methods", method, 0, ""},
+    {"--method", "NAME", "see pkgen methods", word, offsetof(struct program, settings.method), ""},
     {"--step", "H", "of a method with fixed steps; else the first step", number, PLACE(step), ""},
     {"--max-step", "H", "of an adaptive method", number, PLACE(h_max), ""},
     {"--rtol", "R", "of an adaptive method", number, PLACE(rtol), ""},
@@ -216,10 +211,10 @@ static const struct option options[] = {
     {"--iteration", "newton|fixed", "of implicit methods", iteration, 0, ""},
     {"--diagnose", "LIST", "as of pkgen run", diagnose, 0, ""},
     {"--max-steps", "N", "", count, PLACE(max_steps), ""},
-    {"--shard", "JSON", "of a sweep: which shard it is", shard, 0, ""},
-    {"--starts", "FILE", "its members, as doubles", shard, 0, ""},
+    {"--shard", "JSON", "of a sweep: which shard it is", word, offsetof(struct program, shard), ""},
+    {"--starts", "FILE", "its members, as doubles", word, offsetof(struct program, starts), ""},
     {"--first", "N", "the number of the first, from 0", first, 0, ""},
-    {"--to", "FILE", "what comes of them", shard, 0, ""},
+    {"--to", "FILE", "what comes of them", word, offsetof(struct program, to), ""},
     {"--checkpoint", "FILE", "where the run is kept, for --resume", checkpoint, 0, ""},
     {"--checkpoint-every", "T", "seconds between two", number, PLACE(checkpoint_every), ""},
     {"-o", "FILE", "FILE.csv or FILE.npy; default: standard output", output, 0, ""},

@@ -20,8 +20,7 @@ static int wrong(const char *what, const char *path)
     return PK_RUN_USAGE;
 }
 
-/* Runs one block of members, and appends the shape and the report of its results to the texts
- * `shapes` and `reports`. */
+/* Runs one block of members, and appends the shape and the report of its results to the texts. */
 static int block(const struct program *p, size_t first, size_t count, const double *starts,
                  FILE *out, FILE *shapes, FILE *reports)
 {
@@ -56,8 +55,7 @@ static int block(const struct program *p, size_t first, size_t count, const doub
 /* Runs all blocks of members, then writes a line of JSON. */
 static int blocks(const struct program *p, FILE *in, FILE *out)
 {
-    const size_t n = p->settings.n_member_columns;
-    const size_t most = p->settings.no_rows ? MEMBERS : WITH_ROWS;
+    const size_t n = p->settings.n_member_columns, most = p->settings.no_rows ? MEMBERS : WITH_ROWS;
     double *starts = (double *)malloc(most * n * sizeof *starts);
     char *texts[2] = {NULL, NULL};
     size_t sizes[2], count, first = (size_t)p->first;

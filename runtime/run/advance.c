@@ -16,14 +16,12 @@ static void begin(void *context)
     struct pk_run *run = context;
     struct settings *s = &run->settings;
     const int fixed = !(s->method->traits & (PK_ADAPTIVE | PK_EXACT));
-    if (s->n_parts || (fixed && !(s->options.h > 0))) {
-        run_say(run, "%s",
-                s->n_parts ? "a model in parts is not integrated step by step"
-                           : "a method of a fixed step: give it by --step");
-        run->code = PK_RUN_USAGE;
-        return;
-    }
-    run->code = run_begin(run);
+    if (s->n_parts)
+        run->code = run_refuse(run, "a model in parts is not integrated step by step");
+    else if (fixed && !(s->options.h > 0))
+        run->code = run_refuse(run, "a method of a fixed step: give it by --step");
+    else
+        run->code = run_begin(run);
     run->begun = run->code == PK_RUN_DONE;
     if (run->it.status < 0)
         tell(run);

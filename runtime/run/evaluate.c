@@ -7,7 +7,7 @@
 
 static size_t work_size(const struct pk_problem *problem)
 {
-    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t n = pk_count_of(problem);
     const size_t exact = 2 * n + pk_system_linear_size(problem), differences = 4 * n;
     const size_t rows = problem->system->constraints.n * n;
     const size_t most = exact > differences ? exact : differences;
@@ -19,7 +19,7 @@ static int differences(const struct pk_problem *problem, pk_real t, const pk_rea
                        pk_real *work)
 {
     const struct pk_system *system = problem->system;
-    const size_t n = pk_system_count(system, problem->params);
+    const size_t n = pk_count_of(problem);
     pk_real *y = work, *plus = y + 2 * n, *minus = plus + n;
     const pk_real delta = PK_F(cbrt)(PK_EPSILON);
     for (size_t j = 0; j < 2 * n; j++) {
@@ -43,7 +43,7 @@ static int differences(const struct pk_problem *problem, pk_real t, const pk_rea
 static int jacobian(const struct pk_problem *problem, pk_real t, const pk_real *q, const pk_real *v,
                     const pk_real *u, pk_real *a_q, pk_real *a_v, pk_real *work)
 {
-    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t n = pk_count_of(problem);
     const enum pk_status status =
         pk_system_linear(problem, t, q, v, work, a_q, a_v, work + n, work + 2 * n);
     return status == PK_REFUSED ? differences(problem, t, q, v, u, a_q, a_v, work)
@@ -53,28 +53,31 @@ static int jacobian(const struct pk_problem *problem, pk_real t, const pk_real *
 /* A kernel by its name. `width` is its number of values per state, or 0 if the system lacks it. */
 struct kernel {
     const char *name;
-    enum { ACCELERATION, JACOBIAN, MOMENTA, FREE, SLOPES, ROWS, RATES, ENERGY, PLAIN } kind;
+    enum { ACCELERATION, JACOBIAN, FIRST, SECOND, SLOPES, ENERGY, PLAIN } kind;
     size_t width;
     pk_kernel *plain;
+    pk_kernel_2 *pair; /* of a kernel that is the FIRST or the SECOND result of this one */
 };
 
 static struct kernel find(const struct settings *s, const char *name)
 {
     const struct pk_system *system = s->system;
     const size_t n = s->n, solved = system->acceleration ? n : 0;
+    pk_kernel_2 *const rows = system->constraints.jacobian;
+    pk_kernel_2 *const free = system->unconstrained ? system->unconstrained : system->canonical;
     const struct kernel kernels[] = {
-        {"acceleration", ACCELERATION, solved, NULL},
-        {"jacobian", JACOBIAN, 2 * n * solved, NULL},
-        {"momenta", MOMENTA, system->canonical ? n : 0, NULL},
-        {"free momenta", FREE, system->unconstrained || system->canonical ? n : 0, NULL},
-        {"momentum jacobian", SLOPES, system->jacobian ? 3 * n * n : 0, NULL},
-        {"constraint jacobian", ROWS, system->constraints.n * n, NULL},
-        {"constraint rates", RATES, system->constraints.n, NULL},
-        {"energy", ENERGY, system->energy != NULL, NULL},
-        {"force", PLAIN, system->force ? n : 0, system->force},
-        {"mass", PLAIN, system->mass ? n * n : 0, system->mass},
-        {"outputs", PLAIN, pk_system_outputs(system, s->params), system->observe},
-        {"", PLAIN, 0, NULL},
+        {"acceleration", ACCELERATION, solved, NULL, NULL},
+        {"jacobian", JACOBIAN, 2 * n * solved, NULL, NULL},
+        {"momenta", FIRST, system->canonical ? n : 0, NULL, system->canonical},
+        {"free momenta", FIRST, free ? n : 0, NULL, free},
+        {"momentum jacobian", SLOPES, system->jacobian ? 3 * n * n : 0, NULL, NULL},
+        {"constraint jacobian", FIRST, system->constraints.n * n, NULL, rows},
+        {"constraint rates", SECOND, system->constraints.n, NULL, rows},
+        {"energy", ENERGY, system->energy != NULL, NULL, NULL},
+        {"force", PLAIN, system->force ? n : 0, system->force, NULL},
+        {"mass", PLAIN, system->mass ? n * n : 0, system->mass, NULL},
+        {"outputs", PLAIN, pk_system_outputs(system, s->params), system->observe, NULL},
+        {"", PLAIN, 0, NULL, NULL},
     };
     const struct kernel *k = kernels;
     while (*k->name && strcmp(k->name, name) != 0)
@@ -93,21 +96,14 @@ static int at(const struct settings *s, const struct pk_problem *problem, const 
         return system->acceleration(s->params, t, q, v, u, out) == 0;
     case JACOBIAN:
         return jacobian(problem, t, q, v, u, out, out + s->n * s->n, work);
-    case MOMENTA:
-        system->canonical(s->params, t, q, v, u, out, work);
+    case FIRST:
+        k->pair(s->params, t, q, v, u, out, work);
         return 1;
-    case FREE:
-        (system->unconstrained ? system->unconstrained : system->canonical)(s->params, t, q, v, u,
-                                                                            out, work);
+    case SECOND:
+        k->pair(s->params, t, q, v, u, work, out);
         return 1;
     case SLOPES:
         system->jacobian(s->params, t, q, v, u, out, out + s->n * s->n, out + 2 * s->n * s->n);
-        return 1;
-    case ROWS:
-        system->constraints.jacobian(s->params, t, q, v, u, out, work);
-        return 1;
-    case RATES:
-        system->constraints.jacobian(s->params, t, q, v, u, work, out);
         return 1;
     case ENERGY:
         *out = system->energy(s->params, t, q, v, u);

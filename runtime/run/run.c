@@ -5,8 +5,7 @@
 #include "settings/settings.h"
 #include "steps/steps.h"
 
-/* The timed repetitions of a run must take at least so long, so that the time to read the clock is
- * negligible. */
+/* The timed repetitions of a run take at least so long that reading the clock costs little. */
 #define LAP_SECONDS 1e-3
 
 static void tell_failure(struct pk_run *run)
@@ -106,8 +105,7 @@ static void take(void *context)
     run->code = settings_take(run);
     if (run->code || fd < 0 || run_open(run, fd))
         return;
-    run_say(run, "cannot write rows: %s", strerror(errno == EINVAL ? EBADF : errno));
-    run->code = PK_RUN_USAGE;
+    run->code = run_refuse(run, "cannot write rows: %s", strerror(errno == EINVAL ? EBADF : errno));
 }
 
 struct pk_run *pk_run_new(const struct pk_run_model *model, const struct pk_run_settings *settings)

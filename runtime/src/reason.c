@@ -7,6 +7,10 @@
 #include "core/project.h"
 #include "core/tableau.h"
 
+/* Write to the caller's text; SAY() adds the last valid time. Return the length. */
+#define SAY(...) pk_say(it, text, size, __VA_ARGS__)
+#define TELL(...) snprintf(text, size, __VA_ARGS__)
+
 static const char *const bad_argument[] = {
     "",
     "a pointer is null",
@@ -51,24 +55,20 @@ static int no_convergence(const struct pk_integrator *it, char *text, size_t siz
     const char *what = pk_status_text(it->status);
     const double h = (double)pk_abs(it->own->h), value = (double)it->reason.value;
     if (it->reason.kind == PK_BY_NEWTON)
-        return pk_say(it, text, size,
-                      "%s: by Newton's method there is a solution up to a step of %.6g, not to "
-                      "%.6g: make the step shorter%s",
-                      what, value, h, words(it)->step);
+        return SAY("%s: by Newton's method there is a solution up to a step of %.6g, not to "
+                   "%.6g: make the step shorter%s",
+                   what, value, h, words(it)->step);
     if (it->reason.kind == PK_OF_RATES)
-        return pk_say(it, text, size,
-                      "%s: that of the rates from the momenta, after a correction of %.3g", what,
-                      value);
+        return SAY("%s: that of the rates from the momenta, after a correction of %.3g", what,
+                   value);
     if (it->problem.system->families.diagonal && (it->method->traits & PK_HOLONOMIC))
-        return pk_say(it, text, size,
-                      "%s: the one by M, after a correction of %.3g of the rates; it converges for "
-                      "short steps alone, and families kept as loops have no other: take a step "
-                      "shorter than %.6g, or gauss2",
-                      what, value, h);
-    return pk_say(it, text, size,
-                  "%s: the fixed-point one, after a correction of %.3g of the rates; it "
-                  "converges for short steps alone: use Newton's%s or a step shorter than %.6g",
-                  what, value, words(it)->newton, h);
+        return SAY("%s: the one by M, after a correction of %.3g of the rates; it converges for "
+                   "short steps alone, and families kept as loops have no other: take a step "
+                   "shorter than %.6g, or gauss2",
+                   what, value, h);
+    return SAY("%s: the fixed-point one, after a correction of %.3g of the rates; it "
+               "converges for short steps alone: use Newton's%s or a step shorter than %.6g",
+               what, value, words(it)->newton, h);
 }
 
 static const char *const singularity_use[] = {
@@ -86,26 +86,24 @@ static int singular(const struct pk_integrator *it, char *text, size_t size)
     const struct pk_system *system = it->problem.system;
     const void *params = it->problem.params;
     if (it->reason.index >= it->own->n_singularities)
-        return pk_say(it, text, size, "%s", pk_status_text(it->status));
+        return SAY("%s", pk_status_text(it->status));
     const struct pk_singularity *singularity =
         &system->singularities.table[pk_system_singularity(system, params, it->reason.index).which];
     char name[128];
     pk_system_singularity_name(system, params, it->reason.index, name, sizeof name);
     if (singularity->kind == PK_SINGULARITY_CUT)
-        return pk_say(it, text, size,
-                      "%s: %s jumps by 2 pi at t = %.17g, and the Lagrangian with it, so that no "
-                      "motion follows: take the angle as a coordinate, or write a force, which "
-                      "does not jump there",
-                      pk_status_text(it->status), name, (double)it->reason.time);
+        return SAY("%s: %s jumps by 2 pi at t = %.17g, and the Lagrangian with it, so that no "
+                   "motion follows: take the angle as a coordinate, or write a force, which "
+                   "does not jump there",
+                   pk_status_text(it->status), name, (double)it->reason.time);
     const int removable = singularity->kind == PK_SINGULARITY_DIVISOR &&
                           it->reason.kind == PK_REASON_BOUNDED;
-    return pk_say(it, text, size, "%s: %s vanishes at t = %.17g, and %s%s",
-                  pk_status_text(it->status), name, (double)it->reason.time,
-                  singularity_use[singularity->kind],
-                  removable ? "; the acceleration stays finite on the way there: if the "
-                              "expression has a limit, as sin(x)/x has, write it without the "
-                              "division"
-                            : "");
+    return SAY("%s: %s vanishes at t = %.17g, and %s%s", pk_status_text(it->status), name,
+               (double)it->reason.time, singularity_use[singularity->kind],
+               removable ? "; the acceleration stays finite on the way there: if the "
+                           "expression has a limit, as sin(x)/x has, write it without the "
+                           "division"
+                         : "");
 }
 
 /* Writes which fact, kernel or side of a switch the method lacks. */
@@ -115,60 +113,53 @@ static int refused(const struct pk_integrator *it, char *text, size_t size)
     char name[128];
     for (size_t i = 0; i < sizeof fact_text / sizeof *fact_text; i++)
         if (pk_missing_facts(system, it->method) & fact_text[i].fact)
-            return snprintf(text, size, "%s needs a system that is %s; %s is not", it->method->name,
-                            fact_text[i].text, system->name);
+            return TELL("%s needs a system that is %s; %s is not", it->method->name,
+                        fact_text[i].text, system->name);
     if (pk_sides_missing(it) && system->switches.impulses)
-        return snprintf(text, size,
-                        "the rates of %s jump where one of its switches vanishes: make steps by "
-                        "pk_events_step(), which does what follows there",
-                        system->name);
+        return TELL("the rates of %s jump where one of its switches vanishes: make steps by "
+                    "pk_events_step(), which does what follows there",
+                    system->name);
     if (pk_sides_missing(it)) {
         pk_system_switch_name(system, it->problem.params, 0, name, sizeof name);
-        return snprintf(text, size,
-                        "%s needs a smooth system; %s changes where %s vanishes: make steps by "
-                        "pk_events_step(), which ends them there",
-                        it->method->name, system->name, name);
+        return TELL("%s needs a smooth system; %s changes where %s vanishes: make steps by "
+                    "pk_events_step(), which ends them there",
+                    it->method->name, system->name, name);
     }
     if (system->families.n_sizes && (it->method->traits & PK_HOLONOMIC) &&
         pk_missing_kernel(system, it->method))
-        return snprintf(
-            text, size,
+        return TELL(
             "%s needs M, which %s, a chain of lets, solves link by link: take dop853, or fewer "
             "members, which are written out",
             it->method->name, system->name);
     if (system->families.count && !system->families.jacobian && (it->method->traits & PK_JACOBIANS))
-        return snprintf(text, size,
-                        "%s needs Jacobians, and those of %s, whose families are loops, are no "
-                        "band: sums over pairs, lets beside constraints; take dop853",
-                        it->method->name, system->name);
+        return TELL("%s needs Jacobians, and those of %s, whose families are loops, are no "
+                    "band: sums over pairs, lets beside constraints; take dop853",
+                    it->method->name, system->name);
     if (!system->linear && (it->method->traits & PK_LINEAR))
-        return snprintf(text, size, "%s needs the derivatives of the acceleration; %s has none",
-                        it->method->name, system->name);
+        return TELL("%s needs the derivatives of the acceleration; %s has none", it->method->name,
+                    system->name);
     if (pk_missing_kernel(system, it->method))
-        return snprintf(text, size, "%s calls the kernel %s, which %s was compiled without",
-                        it->method->name, pk_missing_kernel(system, it->method), system->name);
+        return TELL("%s calls the kernel %s, which %s was compiled without", it->method->name,
+                    pk_missing_kernel(system, it->method), system->name);
     if (system->n_inputs && (it->method->traits & PK_NO_INPUTS))
-        return snprintf(text, size,
-                        "%s needs the derivative by time, and %s has inputs, whose is unknown",
-                        it->method->name, system->name);
+        return TELL("%s needs the derivative by time, and %s has inputs, whose is unknown",
+                    it->method->name, system->name);
     if (pk_rolls(system) && (it->method->traits & PK_HOLONOMIC)) {
         pk_constraint_name(system, it->problem.params,
                            pk_system_rows(system, it->problem.params, 1), name, sizeof name);
-        return snprintf(text, size,
-                        "%s takes constraints of positions alone, and %s is one of the rates "
-                        "(rolling): use gauss",
-                        it->method->name, name);
+        return TELL("%s takes constraints of positions alone, and %s is one of the rates "
+                    "(rolling): use gauss",
+                    it->method->name, name);
     }
     if (it->n > PK_EXPONENTIAL_MOST &&
         (it->method->traits & PK_EXACT || pk_splitting_table(it->method)))
-        return snprintf(text, size, "%s is for at most %d coordinates; %s has %zu",
-                        it->method->name, PK_EXPONENTIAL_MOST, system->name, it->n);
+        return TELL("%s is for at most %d coordinates; %s has %zu", it->method->name,
+                    PK_EXPONENTIAL_MOST, system->name, it->n);
     if (it->method->resolved)
-        return pk_say(it, text, size,
-                      "crossings of events could be missed in steps of %.6g: give at most "
-                      "%.6g",
-                      (double)it->options.h, (double)it->reason.value);
-    return snprintf(text, size, "%s: %s", it->method->name, pk_status_text(it->status));
+        return SAY("crossings of events could be missed in steps of %.6g: give at most "
+                   "%.6g",
+                   (double)it->options.h, (double)it->reason.value);
+    return TELL("%s: %s", it->method->name, pk_status_text(it->status));
 }
 
 int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size)
@@ -183,37 +174,30 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     switch (it->status) {
     case PK_BAD_ARGUMENT:
         if (it->reason.kind == BAD_PERIOD)
-            return snprintf(text, size,
-                            "the sample block %s: its period, %.6g, must be positive and above the "
-                            "round-off of the time, and its offset not negative",
-                            it->problem.system->samples.table[it->reason.index].name,
-                            (double)it->reason.value);
+            return TELL("the sample block %s: its period, %.6g, must be positive and above the "
+                        "round-off of the time, and its offset not negative",
+                        system->samples.table[it->reason.index].name, (double)it->reason.value);
         if (it->reason.kind == BAD_SCALE)
-            return snprintf(text, size,
-                            "%s: da/dq vanishes at the start, so it gives no step: give a largest "
-                            "step%s, and a tolerance instead of a first step%s",
-                            what, words(it)->max_step, words(it)->step);
-        return snprintf(text, size, "%s: %s", what,
-                        kind < sizeof bad_argument / sizeof *bad_argument ? bad_argument[kind]
-                                                                          : "");
+            return TELL("%s: da/dq vanishes at the start, so it gives no step: give a largest "
+                        "step%s, and a tolerance instead of a first step%s",
+                        what, words(it)->max_step, words(it)->step);
+        return TELL("%s: %s", what,
+                    kind < sizeof bad_argument / sizeof *bad_argument ? bad_argument[kind] : "");
     case PK_REFUSED:
         return refused(it, text, size);
     case PK_OUT_OF_BOUNDS:
         if (index < system->n_parameters)
-            return snprintf(text, size, "%s: %s", what, system->parameters[index].what.name);
+            return TELL("%s: %s", what, system->parameters[index].what.name);
         if (index > system->n_parameters)
-            return snprintf(text, size, "%s: a size is too small, or memory for it is missing",
-                            what);
-        return snprintf(text, size, "%s: what follows from the parameters is not finite", what);
+            return TELL("%s: a size is too small, or memory for it is missing", what);
+        return TELL("%s: what follows from the parameters is not finite", what);
     case PK_SINGULAR_MASS:
         pk_system_name(system, it->problem.params, index < it->n ? system->coordinates : NULL,
                        index, name, sizeof name);
         if (!pk_finite(it->reason.value))
-            return pk_say(it, text, size, "%s: pivot of coordinate %s is not positive at t = %.17g",
-                          what, name, time);
-        return pk_say(it, text, size,
-                      "%s: pivot of coordinate %s is %.3g of its diagonal entry at t = %.17g", what,
-                      name, value, time);
+            return SAY("%s: pivot of coordinate %s is not positive at t = %.17g", what, name, time);
+        return SAY("%s: pivot of coordinate %s is %.3g of its diagonal entry at t = %.17g", what,
+                   name, value, time);
     case PK_SINGULAR_TIME:
     case PK_SINGULAR_COORDINATES:
         return singular(it, text, size);
@@ -221,17 +205,15 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
         snprintf(name, sizeof name, "a singularity");
         if (index < it->own->n_singularities)
             pk_system_singularity_name(system, it->problem.params, index, name, sizeof name);
-        return pk_say(it, text, size,
-                      "%s: the one from t = %.17g to %.17g passes %s = 0, where by short steps "
-                      "from there the motion does not: make the steps shorter%s",
-                      what, t, time, name, words(it)->step_or_rtol);
+        return SAY("%s: the one from t = %.17g to %.17g passes %s = 0, where by short steps "
+                   "from there the motion does not: make the steps shorter%s",
+                   what, t, time, name, words(it)->step_or_rtol);
     case PK_SLIDING:
         pk_system_switch_name(system, it->problem.params, index, name, sizeof name);
-        return pk_say(it, text, size,
-                      "the motion stays on %s = 0: on either side of it the equations lead "
-                      "back to it, and what follows they do not say; a smooth function in place "
-                      "of the jump, such as tanh, does",
-                      name);
+        return SAY("the motion stays on %s = 0: on either side of it the equations lead "
+                   "back to it, and what follows they do not say; a smooth function in place "
+                   "of the jump, such as tanh, does",
+                   name);
     case PK_NO_IMPULSE:
         return pk_impulse_reason(it, text, size);
     case PK_OFF_CONSTRAINTS:
@@ -240,54 +222,49 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     case PK_NO_CONVERGENCE:
         return no_convergence(it, text, size);
     case PK_AMBIGUOUS_STEP:
-        return pk_say(it, text, size,
-                      "%s: the one that belongs to short steps is followed up to a step of %.6g, "
-                      "not to %.6g: make the step shorter%s",
-                      what, value, (double)pk_abs(it->own->h), words(it)->step);
+        return SAY("%s: the one that belongs to short steps is followed up to a step of %.6g, "
+                   "not to %.6g: make the step shorter%s",
+                   what, value, (double)pk_abs(it->own->h), words(it)->step);
     case PK_STEP_UNDERFLOW:
         if (kind == PK_REASON_TIME_SCALE)
-            return pk_say(it, text, size,
-                          "%s cannot follow: the time scale changes too much within a step; give "
-                          "a smaller tolerance%s, a largest step%s or a shorter first one",
-                          it->method->name, words(it)->rtol, words(it)->max_step);
-        return pk_say(it, text, size,
-                      "%s: step %.3g: the motion may end there, at infinity or in a singularity",
-                      what, value);
+            return SAY("%s cannot follow: the time scale changes too much within a step; give "
+                       "a smaller tolerance%s, a largest step%s or a shorter first one",
+                       it->method->name, words(it)->rtol, words(it)->max_step);
+        return SAY("%s: step %.3g: the motion may end there, at infinity or in a singularity", what,
+                   value);
     case PK_TOO_MANY_STEPS:
-        return pk_say(it, text, size, "%s%s: %lu", what, words(it)->max_steps, it->count.steps);
+        return SAY("%s%s: %lu", what, words(it)->max_steps, it->count.steps);
     case PK_NO_PROGRESS:
-        return pk_say(it, text, size,
-                      "%s: the last %lu%s lead from t = %.17g to here, and at this rate %.3g more "
-                      "would arrive, or double the time passed: the motion may end here in a "
-                      "singularity, or be stiff (method radau)%s%s",
-                      what, it->count.steps + it->count.rejections - it->own->progress.judged,
-                      pk_often_rejected(it) ? ", many of them rejected," : "",
-                      (double)it->own->progress.judged_t, value,
-                      pk_often_rejected(it) ? ", or the tolerance be below what forces are good for"
-                                            : "",
-                      pk_often_rejected(it) ? words(it)->rtol : "");
+        return SAY("%s: the last %lu%s lead from t = %.17g to here, and at this rate %.3g more "
+                   "would arrive, or double the time passed: the motion may end here in a "
+                   "singularity, or be stiff (method radau)%s%s",
+                   what, it->count.steps + it->count.rejections - it->own->progress.judged,
+                   pk_often_rejected(it) ? ", many of them rejected," : "",
+                   (double)it->own->progress.judged_t, value,
+                   pk_often_rejected(it) ? ", or the tolerance be below what forces are good for"
+                                         : "",
+                   pk_often_rejected(it) ? words(it)->rtol : "");
     case PK_STOPPED_EVENT:
         if (it->event)
-            return snprintf(text, size, "stopped at event %s at t = %.17g",
-                            system->events.table[it->event - 1].what.name, t);
-        return snprintf(text, size, "%s at t = %.17g", what, t);
+            return TELL("stopped at event %s at t = %.17g",
+                        system->events.table[it->event - 1].what.name, t);
+        return TELL("%s at t = %.17g", what, t);
     case PK_NOT_FINITE:
         if (it->event > system->events.n) {
             const size_t k = it->event - 1 - system->events.n;
             pk_system_switch_name(system, it->problem.params, k, name, sizeof name);
-            return snprintf(text, size,
-                            "%s, at whose zeros the equations change, is not finite at "
-                            "t = %.17g",
-                            name, t);
+            return TELL("%s, at whose zeros the equations change, is not finite at "
+                        "t = %.17g",
+                        name, t);
         }
         if (it->event)
-            return snprintf(text, size, "the function of event %s is not finite at t = %.17g",
-                            system->events.table[it->event - 1].what.name, t);
-        return pk_say(it, text, size, "%s", what);
+            return TELL("the function of event %s is not finite at t = %.17g",
+                        system->events.table[it->event - 1].what.name, t);
+        return SAY("%s", what);
     case PK_DONE:
     case PK_STOPPED_USER:
-        return snprintf(text, size, "%s at t = %.17g", what, t);
+        return TELL("%s at t = %.17g", what, t);
     default:
-        return pk_say(it, text, size, "%s", what);
+        return SAY("%s", what);
     }
 }

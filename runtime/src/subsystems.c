@@ -57,8 +57,7 @@ static enum pk_status bad(struct pk_subsystems *a, const char *why, size_t part)
     return a->status = PK_BAD_ARGUMENT;
 }
 
-/* Finds the index of each name of `of` among the names of the whole. Returns 0 if one is
- * missing. */
+/* Finds the index of each name of `of` among those of the whole. Returns 0 if one is missing. */
 static int find(const struct pk_quantity *of, size_t count, const struct pk_quantity *whole,
                 size_t n, size_t *where)
 {
@@ -73,8 +72,7 @@ static int find(const struct pk_quantity *of, size_t count, const struct pk_quan
     return 1;
 }
 
-/* Copies the parameters with equal names, sets their flags in `given`, and derives the part's other
- * parameters. */
+/* Copies the parameters with equal names, sets their flags in `given`, and derives the others. */
 static int take_parameters(struct pk_subsystem *part, const struct pk_problem *whole,
                            unsigned char *given)
 {
@@ -103,8 +101,7 @@ static void input(void *context, pk_real t, pk_real *u)
         u[i] = part->u[part->inputs[i]];
 }
 
-/* Checks that each coordinate of the whole is in one part, and each input of a part in the
- * whole. */
+/* Checks that each coordinate is in one part, and each input of a part in the whole. */
 static enum pk_status check_parts(struct pk_subsystems *a)
 {
     const struct pk_system *whole = a->whole.system;
@@ -230,7 +227,7 @@ static enum pk_status part_to(struct pk_subsystems *a, size_t k, pk_real t, pk_r
     struct pk_subsystem *part = &a->parts[k];
     struct pk_integrator *it = &part->it;
     const pk_real way = t < a->t ? -1 : 1;
-    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    const int fixed = pk_is_fixed(it->method);
     part->there = it;
     while (way * (t - it->t) > 0 && !(fixed && pk_integrator_is_at(it, t))) {
         if (pk_integrator_step(it, fixed ? pk_integrator_limit(it, t, limit) : t) != PK_DONE)
@@ -290,12 +287,12 @@ void pk_subsystems_free(struct pk_subsystems *a)
 
 enum pk_status pk_subsystems_keep(struct pk_subsystems *a, struct pk_keep *k)
 {
-    pk_keep(k, &a->t, sizeof a->t);
+    PK_KEEP(k, a->t);
     pk_keep(k, a->state, state_reals(a->whole.system) * sizeof *a->state);
     for (size_t i = 0; i < a->count; i++) {
         struct pk_subsystem *part = &a->parts[i];
         int aside = part->there == &part->aside;
-        pk_keep(k, &aside, sizeof aside);
+        PK_KEEP(k, aside);
         part->there = aside ? &part->aside : &part->it;
         PK_TRY(pk_integrator_keep(&part->it, k));
         PK_TRY(pk_integrator_keep(&part->aside, k));

@@ -30,13 +30,11 @@ struct pk_lane {
     struct pk_events *events; /* the events to detect in the steps; NULL: none */
     pk_real limit;
     /* The caller guarantees that no event occurs before the time `free`. So a call may make many
-     * fixed steps up to that time without checks for events. With free = it->t every step is
-     * checked. */
+     * fixed steps up to that time without checks for events. free = it->t: none. */
     pk_real free;
 };
 
-/* Private to the runtime: data of the test whether an event function or a switch changes its sign
- * in a step. */
+/* Private to the runtime: the test whether an event function or a switch changes its sign. */
 struct pk_screen {
     size_t functions;
     pk_real *a0, *a1, *a_between, *bends, *trial, *g, *one;
@@ -60,15 +58,13 @@ struct pk_lanes {
     unsigned long long idle; /* bit mask of lanes whose integrators make no step in this call */
 };
 
-/* pk_lanes_count() returns the number of lanes, pk_lanes_size() the bytes of the block, which must
- * be aligned for pk_real. */
+/* pk_lanes_count() returns the number of lanes, pk_lanes_size() the bytes of the aligned block. */
 size_t pk_lanes_count(const struct pk_problem *problem, const struct pk_method *method);
 size_t pk_lanes_size(const struct pk_problem *problem, const struct pk_method *method);
 void pk_lanes_init(struct pk_lanes *a, const struct pk_problem *problem,
                    const struct pk_method *method, void *block, size_t size);
 void pk_lanes_make(struct pk_lanes *a, const struct pk_lane *lanes);
-/* Discards the step that a lane made ahead for `it`. After this call `it` computes its own
- * steps. */
+/* Discards the step that a lane made ahead for `it`, which then computes its own steps. */
 void pk_lanes_leave(struct pk_integrator *it);
 
 PK_END

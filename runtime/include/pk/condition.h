@@ -42,12 +42,11 @@ struct pk_condition {
     unsigned long looks;
 };
 
-/* Matrices of more unknowns are not examined, since the computing time grows with the cube of this
- * number. */
+/* Matrices of more unknowns are not examined, since the time grows with the cube of this number. */
 enum { PK_CONDITION_MOST = 128 };
 
-/* Returns the bytes of the block, aligned for pk_real; 0 if the system has no kernel for M or M has
- * too many unknowns. */
+/* Returns the bytes of the block, aligned for pk_real; 0 without a kernel for M or with too many
+ * unknowns. */
 size_t pk_condition_size(const struct pk_problem *problem, const struct pk_method *method);
 /* Updates the largest condition numbers at the state (t, q, v). `it` is the integrator whose last
  * step ended at this state, or NULL. */

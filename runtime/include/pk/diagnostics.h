@@ -13,8 +13,7 @@
  *     max over [0, t] of |X - X(0)|  ~  t^e
  *
  * by least squares over the last six octaves of t: 0 if bounded, 1/2 for a random walk, 1 for a
- * secular drift, 2 for a drift whose rate grows linearly. Everything is computed online, without
- * storage. */
+ * secular drift, 2 for a drift whose rate grows linearly. Nothing is stored. */
 #ifndef PK_DIAGNOSTICS_H
 #define PK_DIAGNOSTICS_H
 
@@ -31,8 +30,7 @@ struct pk_drift {
     unsigned long samples;
     pk_real first, scale, max, final;   /* max and final before division by S */
     pk_real mean_t, mean_x, var_t, cov; /* Welford's sums for the slope */
-    /* start: time of the first sample; edge: time from `start` to the end of the current half
-     * octave */
+    /* start: time of the first sample; edge: time from `start` to the end of this half octave */
     pk_real start, edge;
     pk_real marks[PK_DRIFT_MARKS]; /* ring buffer of max |X - X(0)| at the ends of half octaves */
     unsigned long n_marks;         /* number of completed half octaves */
@@ -74,8 +72,7 @@ struct pk_monitor {
     struct pk_problem problem;
     int has_energy; /* 1: the energy of the system is conserved */
     struct pk_drift energy;
-    /* n drifts, of which only those of cyclic coordinates are used; NULL: no coordinate is
-     * cyclic */
+    /* n drifts, of which only those of cyclic coordinates are used; NULL: none is cyclic */
     struct pk_drift *momenta;
     struct pk_drift *conserved; /* one drift for each conserved quantity */
     pk_real *work;

@@ -36,8 +36,7 @@ struct pk_ensemble {
 
     /* `t` has the times of the `rows` results of each member, in the order of increasing distance
      * from t0. Adaptive steps end at each of these times. Fixed steps need not end at them, except
-     * at the last one; the result at a time within a step comes from a shorter step with the same
-     * start. */
+     * at the last one; a state within a step comes from a shorter step with the same start. */
     pk_real t0;
     size_t rows;
     const pk_real *t;
@@ -66,14 +65,12 @@ enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t
 
 /* Integrates a failed member once more, alone, and writes the reason of its failure and its last
  * valid time, as pk_integrator_reason() does. Results are unchanged. The block is as for
- * pk_ensemble_run(); bad arguments are also reported as text. Returns the length as snprintf()
- * does. */
+ * pk_ensemble_run(); bad arguments too. Returns the length as snprintf() does. */
 int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, size_t block_size,
                        char *text, size_t size);
 
 /* Runs all members in `threads` OpenMP threads (libpk_omp.a, compiled with -fopenmp; without
- * OpenMP, one member after the other). One block serves all threads; it has threads *
- * pk_ensemble_size() bytes. */
+ * OpenMP, one member after the other). The block has threads * pk_ensemble_size() bytes. */
 enum pk_status pk_ensemble_run_threads(const struct pk_ensemble *e, size_t threads, void *block,
                                        size_t size);
 /* Calls work(context, 0), ..., work(context, count - 1) in `threads` threads, in any order. When

@@ -82,8 +82,7 @@ struct pk_events {
     void (*switched)(void *context, const struct pk_events *events);
 
     /* Called if the function of an event or of a switch oscillates so fast after time t that its
-     * roots may be missed. `which` is the index of the event, or n_events + the index of the
-     * switch. */
+     * roots may be missed. `which` is the index of the event, or n_events + that of the switch. */
     void (*doubtful)(void *context, const struct pk_events *events);
 
     unsigned long doubts; /* number of intervals, parts of steps, in which roots may be missed */
@@ -133,8 +132,8 @@ struct pk_events {
 size_t pk_events_size(const struct pk_problem *problem, const struct pk_method *method);
 
 /* Prepares events for an initialised integrator; copies its problem, method and options. If the
- * system has no events and switches, pk_events_step() and pk_events_to() do the same as the
- * functions of the integrator. */
+ * system has no events and switches, pk_events_step() and pk_events_to() are those of the
+ * integrator. */
 enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrator *it, void *block,
                               size_t block_size);
 

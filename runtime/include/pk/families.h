@@ -2,8 +2,7 @@
  * table and an X-macro row, in the registry (pk/methods.h) or in the C of a model:
  *
  *     static const struct pk_tableau pk_mine_table = {...};
- *     PK_DEFINE_METHOD(PK_FAMILY_ERK, mine, 3, 3, 0, 0, mine, "mine");
- */
+ *     PK_DEFINE_METHOD(PK_FAMILY_ERK, mine, 3, 3, 0, 0, mine, "mine"); */
 #ifndef PK_FAMILIES_H
 #define PK_FAMILIES_H
 

@@ -40,8 +40,7 @@ const struct pk_method *pk_gsl_method_at(size_t index);
  *
  * `error` is the change of the frequency if only the first or the second half of the time is
  * fitted. For a regular motion that bounds the error of the whole fit (8 to 16 times smaller); for
- * a chaotic motion it measures the variation of the frequency. Lines closer than `resolution` count
- * as one.
+ * a chaotic motion it measures the variation of the frequency. Lines within `resolution` are one.
  *
  * Reference: J. Laskar, Icarus 88 (1990) 266; J. Laskar, in Hamiltonian Systems with Three or More
  * Degrees of Freedom (1999) 134. */
@@ -55,8 +54,7 @@ struct pk_spectrum {
     pk_real mean, rate;
     size_t count; /* number of lines, in order of decreasing amplitude */
     struct pk_line lines[PK_LINES];
-    /* root mean square of the residual, weighted with the window, relative to that of x - mean -
-     * rate t */
+    /* root mean square of the residual, weighted with the window, relative to x - mean - rate t */
     pk_real residual;
     pk_real resolution; /* 4 pi / (time of the samples), half the width of a spectral line */
     pk_real nyquist;    /* pi/dt: lines of higher frequency appear as lines of lower frequency */
@@ -77,8 +75,8 @@ enum { PK_LOOP_LEAST = 32 };
 /* Computes the closed integral of p dq round a closed curve (loop) in the plane of q and p, given
  * by `count` samples. The samples must be equidistant in a parameter, and the last one is followed
  * by the first at the same distance. The Fourier series used converge the faster the smoother the
- * loop is. `winding`: the increase of q in one turn (for an angle a multiple of 2 pi). Both arrays
- * are overwritten.
+ * loop is. `winding`: the increase of q in one turn (of an angle: a multiple of 2 pi). Overwrites
+ * both arrays.
  *
  * For the series of q and of p: `rms` of the varying part; `tail`, the rms of the last eighth of
  * the harmonics (four at least); `rounding`, the tail expected from rounding of the samples. If the

@@ -6,8 +6,7 @@
  * coordinates rest (the steady precession of a top). With subscript c for cyclic coordinates and n
  * for non-cyclic ones,
  *
- *     pdot_n(q_n, v_c) = 0,   p_c(q_n, v_c) = p_c of the given start,   v_n = 0.
- */
+ *     pdot_n(q_n, v_c) = 0,   p_c(q_n, v_c) = p_c of the given start,   v_n = 0. */
 #ifndef PK_GSL_EQUILIBRIA_H
 #define PK_GSL_EQUILIBRIA_H
 
@@ -20,8 +19,7 @@ struct pk_equilibria {
     double *q, *v;
     size_t count;  /* equilibria found, the lowest energy first */
     size_t failed; /* number of starts from which no equilibrium was found */
-    /* number of starts from which the search met a singular or indefinite M, as at the pole of
-     * spherical coordinates */
+    /* number of starts from which the search met a singular or indefinite M, as at a pole */
     size_t singular;
     int more;             /* 1: there are more equilibria than `most`, perhaps a continuum */
     unsigned char *turns; /* output, n flags, or NULL: q_i + 2 pi is the same position as q_i */
@@ -30,8 +28,7 @@ struct pk_equilibria {
      * terms of the equations vanish at the equilibrium; otherwise the error is smaller. */
     double *doubt;
     /* output of `most` numbers, or NULL. In systems with rotations or constraints equilibria may
-     * form a continuum, of which one point is returned for each energy; this is the number of
-     * dimensions of the continuum. */
+     * form a continuum, of which one point is returned for each energy: its dimensions. */
     size_t *slack;
     /* output of n numbers each, or NULL: where starts of the search lie. Half of the starts have
      * q_i (v_i if cyclic) in middle_i +- box_i, a quarter in middle_i +- 4 box_i, and a quarter
@@ -46,15 +43,14 @@ struct pk_equilibria {
  * coordinate in which the equations have the period 2 pi is returned in (-pi, pi]. First-order
  * variables, which are in v, are constant too, except quadratures, which keep their start values.
  * Equilibria satisfy constraints (equilibria_bound.c) and have no body rates; the first nonzero
- * component of a quaternion is positive. PK_REFUSED: the equations depend on time or on inputs. The
- * search may miss equilibria. */
+ * component of a quaternion is positive. PK_REFUSED: the equations depend on time or inputs. The
+ * search may miss some. */
 enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double *q0,
                                  const double *v0, size_t tries, struct pk_equilibria *found);
 
 /* Computes the eigenvalues of the linearised equations at any state, zeros included, with one entry
  * for each complex pair; the arrays have 2 n numbers each. The largest eigenvalue shows how short
- * steps of an integrator must be. Fails with PK_REFUSED (no kernel `linear`), PK_SINGULAR_MASS or
- * PK_NO_CONVERGENCE. */
+ * steps of an integrator must be. Fails with PK_REFUSED, PK_SINGULAR_MASS or PK_NO_CONVERGENCE. */
 enum pk_status pk_gsl_rates(const struct pk_problem *problem, double t, const double *q,
                             const double *v, double *growth, double *frequency, size_t *count);
 

@@ -18,8 +18,7 @@
  *     PK_STEPPER_FEEDBACK(it, t, q, v)              the inputs at a state
  *     PK_STEPPER_ACCELERATION(it, t, q, v, u, a)    0, or the failure of acceleration()
  *     PK_STEPPER_LANES(it, t, q, v, u, a)           the bits of lanes that failed
- *     PK_BLOCK_...                    see pk/step/ensemble.h
- */
+ *     PK_BLOCK_...                    see pk/step/ensemble.h */
 #include <pk/step/state.h>
 
 #undef PK_INLINE_STEPPERS
@@ -45,8 +44,7 @@
     PK_MODEL(lanes_inline)(PK_LANES, (const struct PK_MODEL(params) *)(it)->problem.params, t, q, \
                            v, u, a)
 
-/* Number of ensemble members in a block. Their states, stages and parameters should fit into the L1
- * cache. */
+/* Number of ensemble members in a block. Their numbers should fit into the L1 cache. */
 #ifndef PK_INLINE_LANES
 #define PK_INLINE_LANES (PK_MODEL(N) <= 4 ? 64 : PK_MODEL(N) <= 8 ? 32 : 16)
 #endif

@@ -9,8 +9,7 @@
  *
  * t, q, v, p are in SI units, or dimensionless in a model without units. q0 and it.q have n_q
  * numbers, the coordinates. v0, it.v and it.p have n numbers: the rates, then the first-order
- * variables. it.q, it.v and it.p point into the block, and a step moves them, so read them from
- * `it` after each step.
+ * variables. it.q, it.v and it.p point into the block, and a step moves them: read them anew.
  *
  * No function allocates, prints or exits, except that a method of pk/gsl.h allocates in init and
  * frees in pk_integrator_free(). A step that fails leaves t, q, v and p unchanged. An integrator is
@@ -37,6 +36,16 @@ struct pk_problem {
     void *context;
     void (*feedback)(void *context, pk_real t, const pk_real *q, const pk_real *v, pk_real *u);
 };
+
+/* Return n and n_q, the numbers of rates and of coordinates. */
+static inline size_t pk_count_of(const struct pk_problem *problem)
+{
+    return pk_system_count(problem->system, problem->params);
+}
+static inline size_t pk_coordinates_of(const struct pk_problem *problem)
+{
+    return pk_system_coordinates(problem->system, problem->params);
+}
 
 /* The function `input` for constant inputs; its context is this struct. */
 struct pk_constant_input {
@@ -67,8 +76,7 @@ struct pk_options {
      * which is rtol times its largest value so far, or 1e-6 rtol times the largest value of all
      * numbers of the same unit, if that is larger */
     pk_real atol;
-    /* smallest step size of an adaptive method; if it needs a smaller one, the step fails with
-     * PK_STEP_UNDERFLOW */
+    /* smallest step size of an adaptive method; a smaller one fails with PK_STEP_UNDERFLOW */
     pk_real h_min;
     /* largest step size of adaptive methods, and of the inner steps of respa; 0: no limit. The
      * last step before the limit may be 1% longer. */
@@ -81,8 +89,7 @@ struct pk_options {
     enum pk_iteration iteration;
     /* relative size, < 1, of a correction at which the iteration of an implicit method stops. 0,
      * best for long runs: the iteration stops when its next correction would be far below
-     * round-off; that of gauss stops when its estimated error is below the tolerance of the
-     * method */
+     * round-off; that of gauss ends when its estimated error is below the tolerance */
     pk_real newton_tol;
     /* largest number of iterations in a step; 0: 50 for Newton's method, 1000 for fixed-point
      * iteration, 30 for gauss */
@@ -96,8 +103,7 @@ struct pk_options {
 
 struct pk_counters {
     unsigned long steps, rejections;
-    /* number of evaluations of the acceleration, or, by methods in (q, p), of the momenta p and
-     * their rates pdot */
+    /* number of evaluations of the acceleration, or, by methods in (q, p), of p and pdot */
     unsigned long evaluations;
     unsigned long jacobians, factorisations, iterations;
     unsigned long held; /* number of `gauss` steps shortened because of slow convergence */
@@ -115,8 +121,8 @@ struct pk_passed_over {
 /* The cause of a failure in numbers; pk_integrator_reason() returns it as text. `kind`
  * distinguishes causes with the same status; `index` is that of a coordinate, parameter, constraint
  * row, switch or singularity, `other` of a second one; `value` is a residual, a correction, a step
- * size or a pivot relative to its diagonal entry; `time` is the time of the failure. Numbers
- * without meaning are 0. */
+ * size or a pivot relative to its diagonal entry; `time` is that of the failure. Numbers without
+ * meaning are 0. */
 struct pk_reason {
     int kind;
     size_t index, other;
@@ -125,8 +131,7 @@ struct pk_reason {
 
 struct pk_integrator_private;
 
-/* Read-only for callers. q, v and p point into the block; p is NULL unless the method stores
- * momenta. */
+/* Read-only for callers. q, v and p point into the block; p is NULL if the method has none. */
 struct pk_integrator {
     pk_real t;
     const pk_real *q, *v, *p;
@@ -146,15 +151,13 @@ struct pk_integrator {
 struct pk_options pk_options_default(void);
 
 /* Returns the bytes of the block for pk_integrator_init(), 0 if an argument is null or the system
- * has another PK_ABI. The block must be aligned for pk_real, as malloc() aligns, and outlive the
- * integrator. */
+ * has another PK_ABI. The block must be aligned as malloc() aligns, and outlive the integrator. */
 size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_method *method);
 
 /* Copies q0 and v0. Fails with PK_BAD_ARGUMENT, PK_BLOCK_TOO_SMALL, PK_REFUSED (the method does not
  * suit the system), PK_OUT_OF_BOUNDS (a parameter), PK_OFF_CONSTRAINTS, PK_NO_PROJECTION (dependent
  * constraint rows), PK_NOT_FINITE, PK_NO_MEMORY (GSL). After a failure, every later call returns
- * the same status and makes no step. Free an integrator of a GSL method before you initialise it
- * again. */
+ * the same status and makes no step. Free an integrator of a GSL method before another init. */
 enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_problem *problem,
                                   const struct pk_method *method, const struct pk_options *options,
                                   pk_real t0, const pk_real *q0, const pk_real *v0, void *block,
@@ -179,22 +182,19 @@ int pk_integrator_is_at(const struct pk_integrator *it, pk_real t);
 /* Makes at most `steps` steps (0: no limit) towards `limit`, with the same bits as calls of
  * pk_integrator_step(), but faster. For a system with families.advance and no singularities, all
  * steps of the fixed step size are made in one pass over memory without compensated sums, so that
- * the last bits differ; if the state after them is not finite, fewer steps are made, to find the
- * step that fails. */
+ * the last bits differ; if the state after them is not finite, fewer are made. */
 enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsigned long steps);
 /* Makes steps until t == t_end exactly, forward or backward. */
 enum pk_status pk_integrator_to(struct pk_integrator *it, pk_real t_end);
 /* Writes the dense output at t inside the last step, n_q numbers to q and n to v. PK_BAD_ARGUMENT:
- * t is outside the last step, or the method has no dense output. A failure leaves the state
- * unchanged. */
+ * t is outside the last step, or there is no dense output. The state is unchanged. */
 enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
 /* Computes the motion at t inside the last step as accurately as the method's steps. `side`, an
  * integrator of the same problem and method with its own memory, repeats that step up to t and
  * holds the result. `it` is unchanged, except for status and reason on failure. Not allowed after
  * pk_integrator_reset() or pk_integrator_steps(). */
 enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrator *side, pk_real t);
-/* Writes the last status as text, with the last valid time and names of quantities. Returns the
- * length as snprintf() does. */
+/* Writes the last status as text, with the last valid time. Returns the length like snprintf(). */
 int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size);
 /* Frees memory. Needed only after methods that allocate (GSL's). */
 void pk_integrator_free(struct pk_integrator *it);

@@ -1,6 +1,5 @@
 /* Saves and restores an integrator between two steps as plain bytes; a restored integrator gives
- * the same bits as one that ran without interruption. One function writes, reads or counts the
- * bytes:
+ * the same bits as one that ran without interruption. One function writes, reads or counts:
  *
  *     struct pk_keep size = {0}, out = {0}, in = {0};
  *     pk_integrator_keep(&it, &size);                        (size.used bytes)
@@ -32,8 +31,7 @@ struct pk_keep {
     unsigned char *to;
     const unsigned char *from;
     size_t size, used; /* used: number of bytes so far, which may exceed `size` */
-    /* 1: `size` is too small for the data, or a size in the bytes read differs from that of the
-     * integrator */
+    /* 1: `size` is too small for the data, or a size read differs from that of the integrator */
     int wrong;
 };
 
@@ -45,8 +43,7 @@ void pk_keep_same(struct pk_keep *k, unsigned long long number);
 
 /* Returns PK_DONE, PK_REFUSED if the memory of the method is opaque (methods of pk/gsl.h except
  * Runge-Kutta methods), or PK_BLOCK_TOO_SMALL if k->wrong is set. After PK_BLOCK_TOO_SMALL, an
- * integrator that was to be restored must be initialised again. This function must not be called
- * within a step. */
+ * integrator that was to be restored must be initialised again. Do not call it within a step. */
 enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k);
 /* Each of these functions saves or restores the private data of its struct. pk_events_keep() does
  * not include the integrator whose events are located; save that separately. */

@@ -16,8 +16,7 @@
  * table, accurate to about 100 PK_EPSILON. For all other methods the map is computed by steps on
  * the equation. Amplification by less than 1e-10 per step (1e-3 in float) is then not detected,
  * which limits the accuracy of the limits. A limit is reported as infinite if no amplification was
- * found up to y or z = 1e4. The limits are exact for A-stable methods and for maps of determinant
- * 1.
+ * found up to y or z = 1e4. They are exact for A-stable methods and maps of determinant 1.
  *
  * Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.2; R. I.
  * McLachlan, S. K. Gray, Appl. Numer. Math. 25 (1997) 275. */
@@ -35,8 +34,7 @@ pk_real pk_method_limit(const struct pk_method *method, enum pk_axis axis);
 /* Writes the first interval with lower end >= from in which steps amplify, infinite numbers if
  * there is no such interval. With from = 0 the lower end of the interval is the limit on the
  * imaginary axis. The interval may be short: blanes_moan6 amplifies by 4e-4 a step from 3.14143 to
- * 3.14232, where two steps are one period, and then only from 6.3479. Returns 0 if the limit is
- * NaN. */
+ * 3.14232, where two steps are one period, then from 6.3479 on. Returns 0 if the limit is NaN. */
 int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real from,
                      pk_real growth[2]);
 

@@ -11,8 +11,8 @@
 #include <pk/system.h>
 
 /* Adaptive step sizes are computed with pow, exp and log, whose results differ between processors
- * in the last bits. With PK_PORTABLE step sizes are rounded to float, so that they have the same
- * bits on all processors. */
+ * in the last bits. With PK_PORTABLE step sizes are rounded to float, for the same bits
+ * everywhere. */
 #ifdef PK_PORTABLE
 #define PK_SAME(x) ((pk_real)(float)(x))
 #else
@@ -46,8 +46,7 @@ struct pk_method {
     const char *name;
     const char *doc; /* description in one line, and citation */
     int order;       /* order of the method; 0: variable */
-    /* evaluations of the acceleration in a step; one that the next step reuses is not counted.
-     * 0: variable */
+    /* evaluations of the acceleration in a step, without one that the next reuses; 0: variable */
     int stages;
     int dense_order; /* order of the dense output; 0: no dense output */
     unsigned traits; /* bits of enum pk_trait */
@@ -56,8 +55,8 @@ struct pk_method {
     const struct pk_method *formula; /* the method that an adaptive method becomes at a fixed
                                         step size, for pk/limits.h; NULL: the method itself */
 
-    /* Returns the number of pk_real of work memory if v has length n. NULL: the function
-     * pk_splitting_size() is used. */
+    /* Returns the number of pk_real of work memory if v has length n. NULL: it is
+     * pk_splitting_size(). */
     size_t (*size)(const struct pk_method *method, const struct pk_problem *problem, size_t n);
     enum pk_status (*init)(struct pk_integrator *it); /* NULL: nothing to initialise */
     /* Computes a step that does not pass `limit`; writes the state to it->own->next, the time to
@@ -65,18 +64,23 @@ struct pk_method {
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit);
     /* Interpolates within the last step; NULL: the method is not PK_DENSE. */
     enum pk_status (*dense)(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
-    /* Returns the longest step in which events are located reliably; NULL: a step may have any
-     * length. */
+    /* Returns the longest step in which events are located reliably; NULL: any step. */
     pk_real (*resolved)(const struct pk_integrator *it);
     /* Returns the LU factors (pk_lu_factor()) of the linear equations that the last step solved, in
-     * stages * n unknowns; it returns NULL if the step solved none. The member is NULL for a method
-     * that solves no such equations. */
+     * stages * n unknowns; it returns NULL if the step solved none. It is NULL for a method that
+     * solves no such equations. */
     const pk_real *(*equations)(struct pk_integrator *it);
     /* For methods of foreign libraries that allocate; NULL for all others. keep() saves or restores
      * their memory (pk/keep.h), or returns PK_REFUSED if that memory is opaque. */
     void (*release)(struct pk_integrator *it);
     enum pk_status (*keep)(struct pk_integrator *it, struct pk_keep *k);
 };
+
+/* Returns whether the caller gives the length of steps. */
+static inline int pk_is_fixed(const struct pk_method *method)
+{
+    return !(method->traits & PK_ADAPTIVE);
+}
 
 /* Return a method of the core, or NULL. See pk/gsl.h for GSL's methods. */
 const struct pk_method *pk_method_find(const char *name);

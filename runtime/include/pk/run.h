@@ -69,8 +69,7 @@ struct pk_run_column {
 /* A relation between columns to check: |a - b| <= within, a < b, or a > b. */
 struct pk_run_expected {
     char relation; /* the relation: '=', '<' or '>' */
-    /* when the relation must hold. r: in all rows, t: at the time `at`, e: at each occurrence of
-     * event number `event` */
+    /* when the relation must hold. r: in all rows, t: at the time `at`, e: at event `event` */
     char when;
     /* `within` is the tolerance of the relation =; within.kind = 0: there is no tolerance */
     struct pk_run_column a, b, within;
@@ -88,8 +87,8 @@ struct pk_run_part {
 /* A number stored for each ensemble member. The letter `what` says which. For a column of the rows,
  * f is the final, M the largest, m the smallest and a the mean value. For an event, n is the number
  * of its occurrences and t the time of the first one. d is one of the `drifts`; x is 1 if a
- * relation in `expected` held, else 0; l is the largest Lyapunov exponent. The letters n, t and l
- * require that `watch` is set. */
+ * relation in `expected` held, else 0; l: the largest Lyapunov exponent. n, t, l require
+ * `watch`. */
 struct pk_run_reduced {
     char what;
     size_t index; /* index of a column (not counting t), event, drift or relation */
@@ -106,16 +105,14 @@ struct pk_run_table {
 struct pk_run_settings {
     const char *method;
     double until; /* end time of the run, > 0 */
-    /* time between two rows; 0: a row after each step; < 0: until/1000, or, if `at` is set, rows
-     * only at the event */
+    /* time between two rows; 0: a row after each step; < 0: until/1000 or, with `at`, only there */
     double every;
     double step, rtol, atol; /* step 0: default of the method; atol < 0: derived from the motion */
     double h_min, h_max;     /* bounds of adaptive step sizes; 0: none */
     /* 1: implicit methods use fixed-point iteration instead of Newton's method */
     int fixed_point;
     unsigned long max_steps; /* limit of steps; 0: no limit */
-    /* 1: steps end at the times of rows; 0: they do not, and dense output gives the rows; -1:
-     * the runtime chooses */
+    /* 1: steps end at the times of rows; 0: dense output gives the rows; -1: the runtime chooses */
     int land;
     size_t n_sizes, n_parameters, n_inputs, n_q, n_v;
     const struct pk_run_value *sizes, *parameters, *inputs, *q, *v;
@@ -149,9 +146,8 @@ struct pk_run_settings {
     const char *member_name; /* name of the column with the member numbers; NULL: "member" */
     long first_member;
     size_t threads; /* number of threads; 0: all available */
-    /* 1: events of ensemble members are detected; 2: the times of their first occurrences are
-     * also reported; < 0: no drifts but those in `drifts` are computed, also in a run of one
-     * trajectory */
+    /* 1: events of ensemble members are detected; 2: the times of their first occurrences are also
+     * reported; < 0: no drifts but those in `drifts`, in a run of one trajectory too */
     int watch;
     size_t n_reduced;
     const struct pk_run_reduced *reduced; /* the numbers that pk_run_members() returns */
@@ -218,8 +214,7 @@ int pk_run_column_name(const struct pk_run *run, size_t i, char *name, size_t si
 const char *pk_run_report(struct pk_run *run);
 /* Returns the messages to the user, one per line. */
 const char *pk_run_messages(const struct pk_run *run);
-/* Returns the failure with which the parameters of the run were refused (see PK_FAILURE() in
- * real.h), or 0. */
+/* Returns the failure by which prepare() refused parameters (PK_FAILURE() in real.h), or 0. */
 int pk_run_refused(const struct pk_run *run);
 /* Returns the processor seconds of one run without rows from the start, the least of repetitions
  * that take at least `seconds` in all; 0 if the run fails. Call it after pk_run_go(). */
@@ -238,8 +233,8 @@ size_t pk_run_width(const struct pk_run *run, const char *what); /* 0: unknown k
 const char *pk_run_given(struct pk_run *run);
 void pk_run_free(struct pk_run *run);
 /* pk_run_stop(1) ends all runs and integrations of this library, in all threads, as soon as
- * possible; new ones end at once. pk_run_stop(0) makes runs possible again. The function may be
- * called in a signal handler. */
+ * possible; new ones end at once. pk_run_stop(0) allows runs again. A signal handler may call
+ * it. */
 void pk_run_stop(int whether);
 
 /* Returns the size of pk_run_settings, _expected, _part or _reduced for `which` = 0, 1, 2 or 3. */

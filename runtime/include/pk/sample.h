@@ -1,5 +1,4 @@
-/* Sample blocks: controllers of a model that run at given times. Inputs keep their values between
- * samples.
+/* Sample blocks: controllers of a model that run at given times. Inputs stay in between.
  *
  *     struct pk_sampler s = {.system = &arm_system, .params = &params, .u = u};
  *     struct pk_constant_input held = {u, n_inputs};       (problem.input = pk_constant_input)
@@ -41,8 +40,7 @@ enum pk_status pk_sampler_start(struct pk_sampler *s, struct pk_integrator *it, 
 /* Returns the time of the next sample, or `limit` if that is earlier. */
 pk_real pk_sampler_limit(const struct pk_sampler *s, pk_real limit);
 int pk_sampler_is_due(const struct pk_sampler *s, const struct pk_integrator *it);
-/* Runs the blocks that are due at it->t, in order, after the start too. If u changes, the integrator begins anew from its
- * state. */
+/* Runs the blocks due at it->t, in order, after the start too. If u changes, a reset follows. */
 enum pk_status pk_sampler_run(struct pk_sampler *s, struct pk_integrator *it);
 void pk_sampler_keep(struct pk_sampler *s, struct pk_keep *k);
 

@@ -28,8 +28,7 @@ struct pk_stability *pk_stability_begin(struct pk_run *run, const char *method, 
  * or after the last step only (`every` 0). Returns the number of steps. */
 size_t pk_stability_steps(struct pk_stability *of, double until, size_t count, int every,
                           double *out, int *status);
-/* Restarts the integration from a state at t; if h > 0, h is the new step size. Returns the
- * status. */
+/* Restarts the integration from a state at t; h > 0: with that step size. Returns the status. */
 int pk_stability_restart(struct pk_stability *of, double t, double h, const double *state);
 /* Integrates each of `count` states from t = 0 and writes the states reached: by `steps` steps of
  * size h, or, with an adaptive method, over `steps` intervals of length h. If an integration fails,
@@ -39,14 +38,12 @@ void pk_stability_map(struct pk_stability *of, double h, size_t steps, size_t co
 /* Projects the state onto the constraints and normalises quaternions. Returns the status. */
 int pk_stability_project(struct pk_stability *of, double *state);
 /* Returns the quantities of `watch` in JSON, the condition number `cond` of the last step's
- * equations, and whether the method is `symmetric` or symplectic. The text is valid until the next
- * call. */
+ * equations, and whether the method is `symmetric` or symplectic. Valid until the next call. */
 const char *pk_stability_report(struct pk_stability *of);
 void pk_stability_end(struct pk_stability *of);
 
-/* Returns the equilibria found from `tries` starts in JSON, each with `doubt`, the last
- * correction by Newton's method. The text is valid until the next call for this run. Not
- * defined without GSL. */
+/* Returns the equilibria found from `tries` starts in JSON, each with `doubt`, the last correction
+ * by Newton's method. Valid until the next call for this run. Not defined without GSL. */
 const char *pk_stability_equilibria(struct pk_run *run, size_t tries);
 /* Makes a step of size h on q'' = -stiffness q - damping q'; `map` is its 2 by 2 matrix for (q, v).
  * Returns the status; PK_BAD_ARGUMENT: there is no method of that name with fixed steps. */

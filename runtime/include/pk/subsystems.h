@@ -1,6 +1,5 @@
 /* Integrates independent blocks (parts) of a system's coordinates separately, each with its own
- * method, step size or tolerance. The whole system is used for names, outputs and energy, not for
- * integration.
+ * method, step size or tolerance. The whole system gives names, outputs and energy.
  *
  *     size_t size = pk_subsystems_size(&whole, parts, choices, count);
  *     pk_subsystems_init(&apart, &whole, parts, choices, count, t0, q0, v0, block, size);
@@ -34,8 +33,7 @@ struct pk_choice {
 /* A part during integration; read-only for callers. */
 struct pk_subsystem {
     struct pk_part of;
-    /* it: the integrator of the part; aside: a second one, which computes states within the
-     * steps of `it` */
+    /* it: the integrator of the part; aside: a second one, for states within the steps of `it` */
     struct pk_integrator it, aside;
     const struct pk_integrator *there; /* `it` or `aside`, whichever is at the common time */
     void *params;
@@ -68,8 +66,8 @@ struct pk_subsystems {
 size_t pk_subsystems_size(const struct pk_problem *whole, const struct pk_part *parts,
                           const struct pk_choice *choices, size_t count);
 /* Copies q0 and v0. All other arguments must outlive the struct, which must not move. Fails with
- * PK_BAD_ARGUMENT if the coordinates of the parts are not those of the whole system, or with the
- * first failure of a part. */
+ * PK_BAD_ARGUMENT if the parts' coordinates are not those of the whole, or a part's first
+ * failure. */
 enum pk_status pk_subsystems_init(struct pk_subsystems *apart, const struct pk_problem *whole,
                                   const struct pk_part *parts, const struct pk_choice *choices,
                                   size_t count, pk_real t0, const pk_real *q0, const pk_real *v0,

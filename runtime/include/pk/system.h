@@ -36,8 +36,7 @@ PK_BEGIN
  * pk_system and does not change PK_ABI_VERSION; moving a member does. `size` is the number of bytes
  * of a system's struct, so the runtime checks PK_SYSTEM_HAS() before it reads a member that was
  * added after version 1. A system compiled for another scalar type does not link, since it refers
- * to the symbol PK_SCALAR of a library; a system loaded at run time is refused if its PK_ABI
- * differs. */
+ * to the symbol PK_SCALAR of a library; a system loaded later is refused if its PK_ABI differs. */
 #define PK_ABI_VERSION 1u
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
@@ -100,8 +99,7 @@ struct pk_block_stepper {
     size_t lanes;                                          /* states in a block, at most 64 */
     unsigned long long (*step)(struct pk_block *block);    /* makes a step of given size */
     unsigned long long (*attempt)(struct pk_block *block); /* makes a trial step, or NULL */
-    /* Computes accelerations at block->t. Returns, as step() and attempt() do, a bit mask of
-     * the lanes that failed. */
+    /* Computes accelerations at block->t. Returns, as step() and attempt(), failed lanes. */
     unsigned long long (*members)(struct pk_block *block, const pk_real *q, const pk_real *v,
                                   pk_real *a);
     /* Computes the functions of all events, then those of all switches, at block->t. Number k of
@@ -138,8 +136,7 @@ struct pk_part_samples {
 struct pk_system {
     unsigned abi;  /* PK_ABI when the model was compiled */
     unsigned size; /* sizeof (struct pk_system) when the model was compiled */
-    /* address of the symbol PK_SCALAR, which libraries for other scalar types do not have; or
-     * NULL */
+    /* address of the symbol PK_SCALAR, which libraries for other scalar types lack; or NULL */
     const char *scalar;
     const char *name;
     const char *source_hash; /* SHA-256 of the model's source, in hexadecimal */
@@ -153,8 +150,7 @@ struct pk_system {
      * time. `energy` is NULL in a model without coordinates. */
     size_t n_first_order;
     /* Number of quadratures: first-order variables on which no rate depends. They are the last
-     * numbers of v. The equations that implicit methods solve by Newton's method omit them. 0 in a
-     * system of variable size. */
+     * numbers of v. Newton's equations of implicit methods omit them. 0 in one of variable size. */
     size_t n_unread;
     /* Number of rotations: attitudes R in SO(3), body to space. The first 3 n_rotations first-order
      * variables are the body rates, omega(R).x, .y, .z of each rotation; the next 4 n_rotations are
@@ -180,8 +176,7 @@ struct pk_system {
     void (*bounds)(const void *params, pk_real *lo, pk_real *hi);
     void (*start)(const void *params, pk_real *q, pk_real *v);
 
-    /* Computes a with M a = f. Returns 0, or a failure (PK_FAILURE_MASS, PK_FAILURE_CONSTRAINT)
-     * without writing a. */
+    /* Computes a with M a = f. Returns 0, or a PK_FAILURE_MASS or _CONSTRAINT without a. */
     int (*acceleration)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                         const pk_real *u, pk_real *a);
     pk_kernel *mass, *force;
@@ -195,18 +190,16 @@ struct pk_system {
     pk_kernel_number *energy;
     pk_kernel_number *kinetic, *potential; /* T and V; NULL if the model defines only L */
     pk_kernel *observe, *conserve; /* outputs of `observe`, constants of `conserve`; NULL: none */
-    /* Writes the derivatives r_q, r_v, r_t of r = f - M a by q, v and t, at constant a and
-     * inputs. If a is the acceleration, M da/dq = r_q, and likewise for v and t. The kernel is
-     * used by variational equations and implicit methods in (q, v); see pk/linear.h. NULL: not
-     * compiled in. */
+    /* Writes the derivatives r_q, r_v, r_t of r = f - M a by q, v and t, at constant a and inputs.
+     * If a is the acceleration, M da/dq = r_q, and likewise for v and t. The kernel is for
+     * variational equations and implicit methods in (q, v); see pk/linear.h. NULL: left out. */
     void (*linear)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
     /* unconstrained() does the same as canonical(), but without the constraint forces J^T lambda:
      * it writes p = dL/dv and pdot, and for the other first-order variables their values and rates.
      * inertia() writes the derivative dp/dv of this p. Models with rotations, constraints, impulses
      * or momenta that depend on first-order variables have both kernels: their mass() may be the
-     * unit matrix (the model has solved M a = f itself), and then canonical() does not write the
-     * momenta. */
+     * unit matrix (the model has solved M a = f itself), and canonical() writes no momenta. */
     pk_kernel_2 *unconstrained;
     pk_kernel *inertia;
     pk_kernel *fast; /* acceleration by the forces declared fast; NULL: none */
@@ -242,33 +235,24 @@ struct pk_system {
     /* Add new members here, at the end. */
 };
 
-/* Returns n, the length of v. */
-static inline size_t pk_system_count(const struct pk_system *system, const void *params)
-{
-    return system->families.count ? system->families.count(params) : system->n;
-}
-
-static inline size_t pk_system_outputs(const struct pk_system *system, const void *params)
-{
-    return system->families.outputs ? system->families.outputs(params) : system->n_observed;
-}
-
-/* Returns the number of first-order variables. */
-static inline size_t pk_system_first_order(const struct pk_system *system, const void *params)
-{
-    return system->families.first_order ? system->families.first_order(params)
-                                        : system->n_first_order;
-}
+/* Return n, the length of v, and the numbers of outputs, first-order variables, rotations, values
+ * of singularities, and switches. */
+#define PK_NUMBER(name, counted, otherwise)                                                   \
+    static inline size_t pk_system_##name(const struct pk_system *system, const void *params) \
+    {                                                                                         \
+        return system->counted ? system->counted(params) : system->otherwise;                 \
+    }
+PK_NUMBER(count, families.count, n)
+PK_NUMBER(outputs, families.outputs, n_observed)
+PK_NUMBER(first_order, families.first_order, n_first_order)
+PK_NUMBER(rotations, families.rotations, n_rotations)
+PK_NUMBER(singularity_count, singularities.count, singularities.n)
+PK_NUMBER(switch_count, switches.count, switches.n)
 
 /* Returns n_q, the number of coordinates. */
 static inline size_t pk_system_coordinates(const struct pk_system *system, const void *params)
 {
     return pk_system_count(system, params) - pk_system_first_order(system, params);
-}
-
-static inline size_t pk_system_rotations(const struct pk_system *system, const void *params)
-{
-    return system->families.rotations ? system->families.rotations(params) : system->n_rotations;
 }
 
 static inline struct pk_turning pk_system_turning(const struct pk_system *system,
@@ -290,8 +274,7 @@ static inline struct pk_pattern pk_system_pattern(const struct pk_system *system
     return pattern;
 }
 
-/* Returns the index range of declared name number k among the coordinates, parameters, constraint
- * rows or outputs, as `of` says. */
+/* Returns the index range of declared name number k among those that `of` says. */
 static inline struct pk_range pk_system_range(const struct pk_system *system, const void *params,
                                               enum pk_range_of of, size_t k)
 {
@@ -309,39 +292,18 @@ static inline size_t pk_system_rows(const struct pk_system *system, const void *
     return c->count ? c->count(params, holonomic) : holonomic ? c->n_holonomic : c->n;
 }
 
-/* Returns the number of monitored values of singularities. */
-static inline size_t pk_system_singularity_count(const struct pk_system *system, const void *params)
-{
-    return system->singularities.count ? system->singularities.count(params)
-                                       : system->singularities.n;
-}
-
-/* Returns, for value number k of the singularities, the index of its expression and the indices i
- * and j in it. */
-static inline struct pk_place pk_system_singularity(const struct pk_system *system,
-                                                    const void *params, size_t k)
-{
-    struct pk_place place = {k, 0, 0};
-    if (system->singularities.place)
-        system->singularities.place(params, k, &place);
-    return place;
-}
-
-/* Returns the number of switches. */
-static inline size_t pk_system_switch_count(const struct pk_system *system, const void *params)
-{
-    return system->switches.count ? system->switches.count(params) : system->switches.n;
-}
-
-/* Returns, for switch number k, the index of its expression and the indices i and j in it. */
-static inline struct pk_place pk_system_switch(const struct pk_system *system, const void *params,
-                                               size_t k)
-{
-    struct pk_place place = {k, 0, 0};
-    if (system->switches.place)
-        system->switches.place(params, k, &place);
-    return place;
-}
+/* Return, for value k of the singularities or switch k, the index of its expression, i and j. */
+#define PK_PLACE(name, part)                                                       \
+    static inline struct pk_place pk_system_##name(const struct pk_system *system, \
+                                                   const void *params, size_t k)   \
+    {                                                                              \
+        struct pk_place found = {k, 0, 0};                                         \
+        if (system->part.place)                                                    \
+            system->part.place(params, k, &found);                                 \
+        return found;                                                              \
+    }
+PK_PLACE(singularity, singularities)
+PK_PLACE(switch, switches)
 
 /* Writes the expression of value number k of the singularities, with numbers in place of the
  * indices i and j: "x[8] - x[7]". */

@@ -17,21 +17,19 @@ struct pk_part_constraints {
     /* Writes J, n rows by pk_system.n columns, row-major, with 0 in the columns of first-order
      * variables other than body rates; then writes J v + j0. */
     pk_kernel_2 *jacobian;
-    /* Writes the sizes of the terms of phi and of J v + j0; a residual of a few PK_EPSILON times
-     * them is rounding. */
+    /* Writes the sizes of the terms of phi and of J v + j0; a few PK_EPSILON of them are
+     * rounding. */
     pk_kernel_2 *scale;
     pk_kernel *multipliers; /* writes the Lagrange multipliers lambda */
     /* Redundant constraint rows. At the start of the model they follow from previous rows, so they
      * have no multiplier. `redundant` writes the residuals of their phi, then of their J v + j0,
-     * then the sizes of the terms of each residual, then their J. A run fails if these residuals
-     * are not zero later. */
+     * then the sizes of the terms of each, then their J. A run fails if they do not stay 0. */
     size_t n_redundant, n_redundant_holonomic;
     const struct pk_quantity *redundant_names;
     pk_kernel_3 *redundant;
     /* The following functions replace `jacobian` in a system of variable size; each takes a time of
      * O(N). In such a system n and n_holonomic are the numbers of rows at the default sizes,
-     * `names` has n_declared entries, and count() returns the actual number of rows. Rows must be
-     * independent. */
+     * `names` has n_declared entries, and count() returns that of rows, which are independent. */
     /* returns the number of rows, or of holonomic rows; NULL: these are n and n_holonomic */
     size_t (*count)(const void *params, int holonomic);
     size_t n_declared;

@@ -1,6 +1,5 @@
 /* The part of struct pk_system (pk/system.h) for systems of variable size. A family is an indexed
- * name, such as q[1..N]; if kernels are loops over its members ("kept as loops"), N is chosen at
- * run time. */
+ * name, such as q[1..N]; if kernels are loops ("kept as loops"), N is chosen at run time. */
 #ifndef PK_SYSTEM_FAMILIES_H
 #define PK_SYSTEM_FAMILIES_H
 
@@ -33,8 +32,7 @@ struct pk_turning {
  * entries on either side of the diagonal, then `border` dense rows and columns. The numbers are
  * stored in four groups: rows * (2 * width + 1) numbers of the rows of the band, each with the
  * diagonal in its middle; rows * border numbers of the columns of the border, row by row; rows *
- * border numbers of the rows of the border, column by column; and border * border numbers of the
- * block where both meet. */
+ * border numbers of the rows of the border, by columns; and border^2 numbers where both meet. */
 struct pk_pattern {
     size_t rows, width, border;
     int dense; /* 1: the matrix has no band; all coordinates, in order, belong to the border */
@@ -53,8 +51,7 @@ struct pk_part_families {
     void (*set_sizes)(void *params);
     size_t (*block_size)(const void *params);
     void (*attach)(void *params, void *block);
-    /* number of declared names of coordinates and first-order variables; the last n_states are
-     * names of first-order variables */
+    /* number of declared names of coordinates and, the last n_states, of first-order variables */
     size_t n_coordinates;
     size_t n_states;
     size_t (*first_order)(const void *params); /* NULL: use pk_system.n_first_order */
@@ -86,8 +83,7 @@ struct pk_part_families {
      * index i of the pattern. It returns a negative number for an additional unknown, such as a
      * multiplier, an acceleration or a sum over many members, without which the Jacobians would be
      * dense; the diagonal entry of M is then 1, or its row relates rates to each other. closed()
-     * writes M and, for the equations of the additional unknowns, the derivatives by rates and by
-     * these unknowns. */
+     * writes M and, for the equations of the additional unknowns, derivatives by rates and them. */
     void (*pattern)(const void *params, struct pk_pattern *pattern);
     ptrdiff_t (*place)(const void *params, size_t i);
     pk_kernel *mass;

@@ -36,8 +36,7 @@ struct pk_place {
 
 /* Singularities: n expressions, whose values are monitored at each step. In a system of variable
  * size count() returns the number of values, and place() writes to which expression, and which
- * indices i and j, value number k belongs. If both are NULL, each of the n expressions has one
- * value. */
+ * indices i and j, value number k belongs. If both are NULL, each expression has one value. */
 struct pk_part_singularities {
     size_t n;
     const struct pk_singularity *table;

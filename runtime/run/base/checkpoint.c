@@ -1,6 +1,5 @@
 /* The file of a checkpoint; see checkpoint.h. Numbers are stored as in memory; `order` and `real`
- * in the header detect a machine with another byte order or size of pk_real.
- */
+ * in the header detect a machine with another byte order or size of pk_real. */
 #define _POSIX_C_SOURCE 200809L
 
 #include "checkpoint.h"
@@ -149,8 +148,7 @@ const unsigned char *checkpoint_load(struct memory *memory, const char *path, si
 }
 
 /* Sets *sum to the CRC-32 of the place->tail bytes before the offset place->at; returns 0 if these
- * bytes cannot be read. `fd` may be write-only, so the file is opened again as /dev/fd/N, if the
- * system has such files. */
+ * bytes cannot be read. `fd` may be write-only: it is opened again as /dev/fd/N, if possible. */
 static int tail_sum(int fd, const struct place *place, uint64_t *sum)
 {
     unsigned char bytes[TAIL];

@@ -89,6 +89,12 @@ void json_each_integer(struct json *j, const struct json_integer *each)
         json_integer(j, each->key, each->x);
 }
 
+void json_each_text(struct json *j, const struct json_text *each)
+{
+    for (; each->key; each++)
+        json_text(j, each->key, each->x);
+}
+
 void json_flag(struct json *j, const char *key, int x) { json_raw(j, key, x ? "true" : "false"); }
 
 void json_numbers(struct json *j, const char *key, const pk_real *x, size_t count)

@@ -1,6 +1,5 @@
 /* Memory of a run, freed all at once. A failed allocation ends the run: longjmp() returns to
- * memory_try(). Only this file calls longjmp().
- */
+ * memory_try(). Only this file calls longjmp(). */
 #define _POSIX_C_SOURCE 200809L
 
 #include "state.h"
@@ -94,8 +93,7 @@ void memory_drop(struct memory *m, void *begin)
 
 void memory_end(struct memory *m)
 {
-    /* A longjmp() may have left the text open. fclose() writes to its buffer, which must still
-     * exist. */
+    /* A longjmp() may have left the text open. fclose() still needs its buffer. */
     if (m->text)
         fclose(m->text);
     m->text = NULL;

@@ -30,8 +30,7 @@ void *memory_take(struct memory *m, size_t count, size_t size);
 /* like memory_take(), but returns NULL if memory runs out */
 void *memory_ask(struct memory *m, size_t count, size_t size);
 void *memory_grow(struct memory *m, void *old, size_t count, size_t size);
-/* Returns the array `old`. If it has no room for `count` elements, enlarges it first and doubles
- * *room. */
+/* Returns the array `old`. Without room for `count` elements it is enlarged, and *room doubled. */
 void *memory_room(struct memory *m, void *old, size_t count, size_t *room, size_t size);
 void memory_drop(struct memory *m, void *begin);
 void memory_end(struct memory *m);
@@ -44,8 +43,7 @@ void run_say(struct pk_run *run, const char *format, ...);
 FILE *run_text(struct pk_run *run, char **text);
 void run_text_end(struct pk_run *run);
 
-/* A relation a = b, a < b or a > b that a scene expects; how often it was checked, and its worst
- * case. */
+/* A relation a = b, a < b or a > b that a scene expects; its checks and worst case. */
 struct expected {
     struct pk_run_expected of;
     unsigned long count, missed; /* `count`: checks so far; `missed`: failed ones */
@@ -55,8 +53,7 @@ struct expected {
     unsigned long counted, lost; /* values of `count` and `missed` when the previous member ended */
 };
 
-/* An output, or the energy, whose drift is requested; of an ensemble, the member with the largest
- * drift. */
+/* An output, or the energy, whose drift is requested; of an ensemble, the largest one. */
 struct drifting {
     int energy;
     size_t output, member, members; /* `member` has the largest drift; `members` have ended */
@@ -68,8 +65,7 @@ struct drifting {
 /* Requests to stop a run; shared by the members of an ensemble. */
 struct control {
     volatile sig_atomic_t stop;
-    /* In seconds: `last`: wall clock at the last call of `poll`; `began`: CPU time at the start of
-     * the run. */
+    /* In seconds: `last`: wall clock at the last call of `poll`; `began`: CPU time at the start. */
     double last, began;
     int slow;       /* whether the run ended because its CPU time exceeded settings.asked.cap */
     double looked;  /* wall clock when the run last read it */
@@ -172,7 +168,7 @@ struct pk_run {
     int reduces_rows;      /* whether any reduction reads the rows */
     struct moment now;     /* memory for the result of run_moment() */
     struct pk_sampler sampler;
-    size_t stops;          /* number of times in settings.asked.stops that are past */
+    size_t stops; /* number of times in settings.asked.stops that are past */
     /* Row k is at time k * every. `count`: index of the final row; `next`: of the next one. */
     pk_real count, next;
     pk_real expecting;          /* time up to which expectations within fixed steps are checked */
@@ -217,9 +213,15 @@ static inline size_t run_width(const struct pk_run *run)
     return (run->settings.asked.members ? 2u : 1u) + run->settings.n_show;
 }
 
-static inline int run_fixed(const struct pk_run *run)
+static inline int run_fixed(const struct pk_run *run) { return pk_is_fixed(run->settings.method); }
+
+/* Says why the settings are refused, and is the exit code. */
+#define run_refuse(run, ...) (run_say(run, __VA_ARGS__), PK_RUN_USAGE)
+
+/* Returns the number of coordinates. */
+static inline size_t settings_coordinates(const struct settings *s)
 {
-    return !(run->settings.method->traits & PK_ADAPTIVE);
+    return pk_system_coordinates(s->system, s->params);
 }
 
 /* In control.c: return the wall clock, and the CPU time of this thread, in seconds. */

@@ -16,8 +16,7 @@ static struct action action_at(struct pk_run *run, pk_real t, const pk_real *q, 
     return found;
 }
 
-/* Writes rows [t, action, period] until the kind of the orbit changes, as from libration to
- * rotation. */
+/* Writes rows [t, action, period] until the kind of the orbit changes, as to rotation. */
 static void rows(struct diagnostics *d, enum orbit orbit, pk_real *u)
 {
     const size_t count = d->n_rows < ROWS ? d->n_rows : ROWS;
@@ -54,7 +53,7 @@ void diagnose_action(struct diagnostics *d)
     const int periodic = swings || turns;
     const pk_real lo = turns ? s->q[0] : found.lo, hi = turns ? s->q[0] + 2 * PK_PI : found.hi;
     const int kinked = periodic && diagnose_kink(d->run, &lo, &hi);
-    const size_t coordinates = pk_system_coordinates(system, s->params);
+    const size_t coordinates = settings_coordinates(s);
     const char *reason = diagnose_not_free(system);
     char several[200];
     if (system->n_first_order)

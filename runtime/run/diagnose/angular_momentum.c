@@ -1,5 +1,4 @@
-/* Angular momentum of a run's particles, and its torque. If the torque is always 0, the model
- * conserves angular momentum. */
+/* Angular momentum of a run's particles, and its torque, 0 where the model conserves it. */
 #include "bodies.h"
 
 void angular_momentum(size_t n, const pk_real *m, const pk_real *r, const pk_real *v,
@@ -35,8 +34,7 @@ void angular_momentum(size_t n, const pk_real *m, const pk_real *r, const pk_rea
 /* Angular momentum about the origin, or about the centre of mass. */
 struct turning {
     struct pk_drift drift[3];
-    /* `torque`: largest component of the torque so far; `arm`: size of the terms of which it is the
-     * sum */
+    /* `torque`: largest component of the torque so far; `arm`: size of its terms */
     pk_real first[3], last[3], torque, arm;
 };
 

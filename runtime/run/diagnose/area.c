@@ -1,5 +1,4 @@
-/* Collects q and p of the members of a loop at their rows; area_find.c computes the enclosed
- * area. */
+/* Collects q and p of the members of a loop at their rows; area_find.c computes the area. */
 #include "area.h"
 
 #include "../observers/observers.h"
@@ -10,13 +9,7 @@
 
 static const double BYTES = 2147483648.0; /* memory limit for q and p at all rows */
 
-static enum pk_run_code refuse(struct pk_run *run, const char *why)
-{
-    run_say(run, "diagnose area: %s", why);
-    return PK_RUN_USAGE;
-}
-
-static const char *unfit(const struct settings *s, size_t n)
+static const char *unfit(const struct settings *s, size_t n, size_t count)
 {
     for (size_t k = 0; k < s->asked.n_member_columns; k++)
         if (s->asked.member_columns[k].kind == 'p' || s->asked.member_columns[k].kind == 'i')
@@ -36,21 +29,20 @@ static const char *unfit(const struct settings *s, size_t n)
     if (s->asked.at && !s->has_every)
         return "rows at an event are at other times for each member: give --every, for rows that "
                "they have in common";
-    return NULL;
+    return 16.0 * (double)s->asked.members * (double)(count + 1) * (double)n > BYTES
+               ? "so many rows of so many members take more than 2 GB: record less often"
+               : NULL;
 }
 
 enum pk_run_code area_begin(struct pk_run *run, const pk_real *t, size_t count)
 {
     const struct settings *s = &run->settings;
-    const size_t n = pk_system_coordinates(run->settings.system, s->params);
+    const size_t n = settings_coordinates(s);
     if (!(s->asked.diagnose & DIAGNOSE_AREA))
         return PK_RUN_DONE;
-    const char *why = unfit(s, n);
+    const char *why = unfit(s, n, count);
     if (why)
-        return refuse(run, why);
-    if (16.0 * (double)s->asked.members * (double)(count + 1) * (double)n > BYTES)
-        return refuse(run,
-                      "so many rows of so many members take more than 2 GB: record less often");
+        return run_refuse(run, "diagnose area: %s", why);
     struct loop *l = memory_take(&run->memory, 1, sizeof *l);
     l->members = s->asked.members;
     l->rows = count + 1;

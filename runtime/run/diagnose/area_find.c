@@ -1,8 +1,7 @@
 /* The area that the members of an ensemble enclose if they form a loop in phase space. The area is
  * the closed integral of p dq, summed over coordinates, which any flow of a Lagrangian L preserves
  * (Poincare). The loop is represented by Fourier series of q and p over its members. The motion
- * stretches the loop until its members are too few to resolve it; then the last harmonics of the
- * series are large.
+ * stretches the loop until its members are too few; then the last harmonics are large.
  *
  * The size of a series' last harmonics, called its tail, measures how well the series is resolved.
  * A coordinate that contributes little to the sum may be resolved badly. The tail is therefore
@@ -89,8 +88,7 @@ static int is_turn(struct pk_run *run, size_t i, double turn)
     const struct loop *l = run->loop;
     const struct settings *s = &run->settings;
     const size_t n = l->whole;
-    const char *unit = run->settings.system->coordinates ? run->settings.system->coordinates[i].unit
-                                                         : NULL;
+    const char *unit = s->system->coordinates ? s->system->coordinates[i].unit : NULL;
     pk_real *q = memory_take(&run->memory, 6 * n, sizeof *q), *v = q + n;
     pk_real *p = v + n, *P = p + 2 * n; /* p holds p and pdot at q_i, P the same at q_i + turn */
     int same = !unit || !*unit || strcmp(unit, "1") == 0 || strcmp(unit, "rad") == 0;
@@ -101,9 +99,9 @@ static int is_turn(struct pk_run *run, size_t i, double turn)
             q[j] = (pk_real)area_series(l, 0, j, 0)[k * l->members / 3];
             v[j] = PK_C(0.7) / (pk_real)(j + k + 1);
         }
-        run->settings.system->canonical(s->params, 0, q, v, s->u, p, p + n);
+        s->system->canonical(s->params, 0, q, v, s->u, p, p + n);
         q[i] += (pk_real)turn;
-        run->settings.system->canonical(s->params, 0, q, v, s->u, P, P + n);
+        s->system->canonical(s->params, 0, q, v, s->u, P, P + n);
         for (size_t j = 0; j < 2 * n; j++) {
             off = fmax(off, fabs((double)(p[j] - P[j])));
             most = fmax(most, fabs((double)p[j]));

@@ -22,8 +22,7 @@ struct bodies {
     void *context;
 };
 
-/* Sets the particles to the start of the run. Returns 0, after saying so, if the model has none, or
- * more than `most`. */
+/* Sets the particles to the start of the run. Returns 0, and says so, for none or over `most`. */
 int bodies_begin(struct bodies *b, struct diagnostics *d, size_t most);
 /* Repeats all steps to the end of the run. */
 enum pk_status bodies_follow(struct bodies *b);
@@ -36,8 +35,8 @@ struct relative bodies_relative(const struct bodies *b);
 static inline pk_real norm(const pk_real *a) { return PK_F(sqrt)(pk_dot3(a, a)); }
 
 /* Computes the sum of m r x v about the origin, or about the centre of mass with its motion
- * subtracted, and in *size the scale of the sum, the sum of m |r| |v|. If r'' is passed as v, the
- * result is the torque. */
+ * subtracted, and in *size the scale of the sum, the sum of m |r| |v|. r'' as v gives the
+ * torque. */
 void angular_momentum(size_t n, const pk_real *m, const pk_real *r, const pk_real *v,
                       int about_centre, pk_real L[3], pk_real *size);
 
@@ -52,8 +51,7 @@ void angular_momentum(size_t n, const pk_real *m, const pk_real *r, const pk_rea
 struct lrl {
     pk_real k;
     pk_real e[3], eccentricity, angle; /* values at the last update */
-    /* |de/dt| |r|/|r'|, the dimensionless rate of change of e, from the acceleration; 0 if e is
-     * constant */
+    /* |de/dt| |r|/|r'|, the dimensionless rate of change of e, from the acceleration */
     pk_real rate;
     pk_real along[3], across[3]; /* unit vectors: e at the start, e turned by 90 degrees */
 };

@@ -29,10 +29,8 @@ static enum pk_run_code diagnose_run(struct pk_run *run, enum pk_run_code code)
     if (!wanted || code || run->interrupted || run->write_failed || run->it.status < 0 ||
         !(run->it.t > 0))
         return code;
-    if (run->bare.samples.n && wanted & ~(DIAGNOSE_AREA | 1u << DIAGNOSE_PLACE_spectrum)) {
-        run_say(run, "diagnose: a model with sample blocks has spectrum and area alone");
-        return PK_RUN_USAGE;
-    }
+    if (run->bare.samples.n && wanted & ~(DIAGNOSE_AREA | 1u << DIAGNOSE_PLACE_spectrum))
+        return run_refuse(run, "diagnose: a model with sample blocks has spectrum and area alone");
     struct diagnostics *d = diagnose_open(run);
     if (run->out)
         /* writes all rows to the file now, since a diagnostic may end the process */

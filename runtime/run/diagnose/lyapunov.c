@@ -4,8 +4,7 @@
  * is still moving away from its start at the end, or does not move at all, growth only shows that a
  * simple motion (an equilibrium, a steady rotation) is unstable. A single coordinate, or two
  * first-order variables, without explicit time cannot be chaotic: orbits are curves in a plane
- * (Poincare and Bendixson).
- */
+ * (Poincare and Bendixson). */
 
 #include "../../src/core/internal.h"
 #include "parts.h"
@@ -24,8 +23,7 @@ static pk_real length(const struct lyapunov *l, const pk_real *Q, const pk_real 
     return metric_length(&l->metric, Q + l->variation.n_q, l->variation.v);
 }
 
-/* Normalises the displacement of the start. Returns the logarithm of its former length, which may
- * not be finite. */
+/* Normalises the displacement of the start. Returns the log of its length, perhaps not finite. */
 static pk_real normalise(struct lyapunov *l)
 {
     const struct variation *of = &l->variation;
@@ -45,7 +43,7 @@ enum pk_status lyapunov_begin(struct lyapunov *l, const struct motion *m, pk_rea
     PK_TRY(metric_init(&l->metric, of, m->t, m->q, m->v, block));
     l->G = memory_take(m->memory, LYAPUNOV_BLOCKS, sizeof *l->G);
     l->block = block;
-    if (!(m->method->traits & PK_ADAPTIVE) && m->options.h > 0)
+    if (pk_is_fixed(m->method) && m->options.h > 0)
         l->block = m->options.h * pk_max(1, PK_F(ceil)(block / m->options.h - PK_C(1e-6)));
     /* A direction without any symmetry: fractional parts of multiples of the golden section. */
     const size_t n = of->n;
@@ -138,7 +136,7 @@ struct growth lyapunov_growth(const struct lyapunov *l)
  * follow the n coordinates and first-order variables in the state of `it`, are skipped. */
 static void note(pk_real *most, const struct settings *s, const struct pk_integrator *it)
 {
-    const size_t n = s->n, seen = pk_system_coordinates(s->system, s->params);
+    const size_t n = s->n, seen = settings_coordinates(s);
     for (size_t i = 0; i < 2 * n; i++) {
         if (i >= seen && i < n)
             continue;

@@ -10,8 +10,8 @@ static void scale(const struct metric *m, pk_real *x, pk_real factor)
         x[i] *= factor;
 }
 
-/* These functions multiply by C^T, C, C^-T, C^-1 in place: each loop only reads numbers that it has
- * not overwritten. */
+/* These functions multiply by C^T, C, C^-T, C^-1 in place; loops read only what is not
+ * overwritten. */
 void metric_Q(const struct metric *m, pk_real *x)
 {
     for (size_t i = 0; i < m->n; i++) {
@@ -70,8 +70,8 @@ pk_real metric_length(const struct metric *m, const pk_real *dq, const pk_real *
     return PK_F(sqrt)(square(m, dq, m->seen) / (m->tau * m->tau) + square(m, dv, m->n));
 }
 
-/* Returns the Frobenius norm of C^-1 A C^-T at tau = 1; overwrites A. A row of A C^-T solves C x =
- * (row of A). */
+/* Returns the Frobenius norm of C^-1 A C^-T at tau = 1; overwrites A. A row of A C^-T is C^-1 of
+ * A's. */
 static pk_real frobenius(const struct metric *m, pk_real *A)
 {
     const size_t n = m->n;

@@ -3,8 +3,7 @@
  * This equilibrium is chosen as follows. If the run starts at rest at an equilibrium, it is this
  * equilibrium. Otherwise it is a minimum of the potential that is below the energy of the motion:
  * the nearest minimum for which the potential on the straight line from the start stays below this
- * energy; if there is none, the nearest minimum. If no minimum is below this energy, it is the
- * nearest unstable equilibrium. */
+ * energy; else the nearest minimum. Without any, it is the nearest unstable equilibrium. */
 
 #include "parts.h"
 
@@ -154,8 +153,7 @@ static enum fitness fitness_of(const struct modes *m, const double *q)
 }
 
 /* Shifts angles of q by whole turns towards the start. Copies q to m->q if q is of a better kind
- * (enum fitness) than `best`, or of the same kind and nearer to the start than m->q. Returns the
- * better kind. */
+ * (enum fitness) than `best`, or of the same and nearer than m->q. Returns the better kind. */
 static enum fitness consider(struct modes *m, double *q, enum fitness best)
 {
     for (size_t i = 0; i < m->n; i++)

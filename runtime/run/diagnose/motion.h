@@ -50,8 +50,7 @@ struct variation {
     pk_real *work, *v, *a, *b, *u;
 };
 
-/* Returns PK_REFUSED if the system has no kernel `linear`, mass or jacobian, or is not
- * PK_SMOOTH. */
+/* Returns PK_REFUSED without a kernel `linear`, mass or jacobian, or PK_SMOOTH. */
 enum pk_status variation_init(struct variation *w, const struct motion *m, size_t columns);
 /* variation_place() returns the index in V of number i of v (if k = 0) or of dv_k. variation_take()
  * copies the n numbers of v or dv_k from V, variation_put() copies them to V. */
@@ -67,8 +66,8 @@ const pk_real *variation_inputs(const struct variation *w, pk_real t);
  *
  * are canonical and all have the same unit, whatever the units of the coordinates. tau is 1/omega;
  * omega^2 is the Frobenius norm of C^-1 (dr/dq) C^-T, where M q'' = r are the equations of motion.
- * The length of a displacement is the root of |C^T dq/tau|^2 + |C^T dv|^2: a velocity times the
- * root of a mass. */
+ * The length of a displacement is the root of |C^T dq/tau|^2 + |C^T dv|^2: velocity times root of
+ * mass. */
 struct metric {
     size_t n, seen; /* n: number of components of dv; seen: of dq */
     pk_real tau;
@@ -134,8 +133,7 @@ struct growth lyapunov_growth(const struct lyapunov *l);
 enum { REVERSAL_TIMES = 24 };
 
 struct reversal {
-    /* number of entries of at[]: first the times end/2^k in ascending order, then those of the
-     * bisection */
+    /* number of entries of at[]: first the times end/2^k ascending, then those of the bisection */
     size_t count;
     /* t: time from the start, > 0; error: the largest over coordinates and rates of |x - x0| / max
      * |x - x0|, the maximum taken over the whole motion */
@@ -198,8 +196,7 @@ struct node {
 struct least_action {
     struct variation variation;
     pk_real action, size; /* S; the integral of |p.v| + |h|, the scale of round-off of S */
-    /* max |dS/da_ik|, each divided by the sum of the absolute values of its terms; near 0 for a
-     * motion */
+    /* max |dS/da_ik|, each divided by the sum of its terms' absolute values; near 0 for a motion */
     pk_real slope;
     size_t n, modes;    /* number of coordinates, number of modes */
     pk_real *C, *B;     /* n modes by n modes */

@@ -11,8 +11,8 @@ enum { LEAST = 32, MOST = 1 << 18, SAMPLES = 1024, TIMES = 3 };
 #define LOST PK_C(1e-3)
 
 /* Returns the relative error of the period T due to rounding of the energy at one end of the orbit.
- * T depends on the logarithm of the force F at this end; rounding shifts the end by epsilon/F
- * times the largest h - W. */
+ * T depends on the logarithm of the force F at this end; rounding shifts it by epsilon/F of the
+ * largest h - W. */
 static pk_real doubt(const struct well *w, pk_real q, pk_real amplitude)
 {
     const pk_real d = amplitude * PK_F(sqrt)(PK_F(sqrt)(PK_EPSILON)), F = force_at(w, q);
@@ -151,8 +151,7 @@ enum pk_status action_find(struct action *found, const struct pk_problem *proble
         return PK_REFUSED;
     const pk_real direction = *v < 0 ? -1 : 1;
     w.most = mass_at(&w, *q) * *v * *v / 2;
-    const pk_real U = w.most;
-    const pk_real h = s->energy ? s->energy(w.params, t, q, v, u) : 0;
+    const pk_real U = w.most, h = s->energy ? s->energy(w.params, t, q, v, u) : 0;
     int followed = 0;
     for (int n = 0; n < TIMES && !followed; n++) {
         w.most = U;

@@ -74,8 +74,7 @@ int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reas
     reason = reason ? reason : pk_status_text(status);
     json_text(&d->json, "status", pk_status_name(status));
     json_text(&d->json, "reason", reason);
-    /* A user's interruption is not reported here: diagnose_run() reports it once for all
-     * diagnostics. */
+    /* diagnose_run() reports a user's interruption, once for all diagnostics. */
     if (status >= 0 || d->run->control.stop)
         return status >= 0;
     run_say(d->run, "diagnose %s: %s", d->name, reason);

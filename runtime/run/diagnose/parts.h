@@ -41,8 +41,7 @@ struct diagnostics {
 /* diagnose_open() opens the JSON object of all diagnostics; diagnose_close() closes it. */
 struct diagnostics *diagnose_open(struct pk_run *run);
 void diagnose_close(struct diagnostics *d);
-/* Writes one member of the JSON object of all diagnostics by calling make(), which writes the
- * status and the reason first. */
+/* Writes one member of the JSON object of all diagnostics by make(): status and reason first. */
 void diagnose_one(struct diagnostics *d, const char *name, void (*make)(struct diagnostics *d));
 /* Returns row k of `count` rows that are spread evenly over all kept rows. */
 const pk_real *diagnose_row(const struct diagnostics *d, size_t k, size_t count);

@@ -1,7 +1,6 @@
 /* Hamilton's principle along a computed path; see motion.h. The path is integrated between the
  * nodes of a composite Gauss rule, together with n displacements whose initial rates are unit
- * vectors. A point where the determinant of the n displacements changes sign is conjugate to the
- * start. */
+ * vectors. Where the determinant of the n displacements changes sign is a conjugate point. */
 #include "../../src/core/internal.h"
 #include <pk/root.h>
 #include "motion.h"
@@ -29,9 +28,7 @@ static pk_real lagrangian(const struct least_action *found, pk_real t, const pk_
     const pk_real *u = variation_inputs(&found->variation, t);
     of->system->canonical(of->params, t, q, v, u, x->p, x->g); /* pdot is dL/dq without forces */
     const pk_real h = of->system->energy(of->params, t, q, v, u);
-    pk_real work = 0;
-    for (size_t i = 0; i < found->n; i++)
-        work += x->p[i] * v[i];
+    const pk_real work = pk_dot(x->p, v, found->n);
     *size = pk_abs(work) + pk_abs(h);
     return work - h;
 }
@@ -104,8 +101,7 @@ static enum pk_status determinant_at(void *context, pk_real t, pk_real *y)
     return status;
 }
 
-/* Finds the conjugate point between the time s->from and the current time, then restores the state
- * at the current time. */
+/* Finds the conjugate point between the time s->from and now, then restores the state of now. */
 static enum pk_status conjugate(struct search *s, pk_real before, pk_real det)
 {
     struct least_action *found = s->found;
@@ -163,30 +159,20 @@ enum pk_status least_action_find(struct least_action *found, const struct motion
     struct variation *of = &found->variation;
     struct node *x = &found->node;
     memset(found, 0, sizeof *found);
-    PK_TRY(variation_init(of, motion,
-                          pk_system_count(motion->problem->system, motion->problem->params)));
+    PK_TRY(variation_init(of, motion, pk_count_of(motion->problem)));
     const size_t n = of->n, nn = n * n, m = n * modes;
     found->n = n;
     found->modes = modes;
     found->nodes = panels * NODES;
     found->t0 = motion->t;
     found->time = motion->end - motion->t;
-    const struct pk_slot slots[] = {{&found->path, found->nodes * 2 * n},
-                                    {&found->B, m * m},
-                                    {&found->C, m * m},
-                                    {&found->slopes, 2 * m},
-                                    {&found->J, nn},
-                                    {&found->pivot, n},
-                                    {&x->p, n},
-                                    {&x->g, n},
-                                    {&x->q, n},
-                                    {&x->v, n},
-                                    {&x->M, nn},
-                                    {&x->p_q, nn},
-                                    {&x->g_q, nn},
-                                    {&x->g_v, nn},
-                                    {&x->sine, modes},
-                                    {&x->rate, modes}};
+    /* clang-format off */
+    const struct pk_slot slots[] = {
+        {&found->path, found->nodes * 2 * n}, {&found->B, m * m}, {&found->C, m * m},
+        {&found->slopes, 2 * m}, {&found->J, nn}, {&found->pivot, n}, {&x->p, n}, {&x->g, n},
+        {&x->q, n}, {&x->v, n}, {&x->M, nn}, {&x->p_q, nn}, {&x->g_q, nn}, {&x->g_v, nn},
+        {&x->sine, modes}, {&x->rate, modes}};
+    /* clang-format on */
     PK_LAY_OUT(memory_take(motion->memory, PK_LAY_OUT(NULL, slots), sizeof(pk_real)), slots);
     for (size_t i = 0; i < n; i++)
         of->V[n + i * n + i] = 1;

@@ -1,7 +1,6 @@
 /* Integrates the run forward and then back to its start; see motion.h. Finds the time after which
  * integrating back no longer leads to the initial state. Each trial begins at the initial state and
- * uses one integrator both ways, which keeps the low parts of compensated sums when it turns
- * round. */
+ * uses one integrator both ways, which keeps the low parts of compensated sums. */
 
 #include "../../src/core/internal.h"
 #include "parts.h"
@@ -18,8 +17,7 @@ static pk_real off(const struct motion *m, size_t i)
     return pk_abs(i < n ? m->it.q[i] - m->q[i] : m->it.v[i - n] - m->v[i - n]);
 }
 
-/* Measures the scales of errors: for each q_i, v_i the largest distance from its start during the
- * motion. */
+/* Measures the scales of errors: for each q_i, v_i the largest distance from its start. */
 static enum pk_status measure(struct motion *m, pk_real t, pk_real *reach)
 {
     PK_TRY(motion_begin(m));
@@ -61,7 +59,7 @@ static pk_real rounded(const struct motion *m, pk_real t)
 
 enum pk_status reversal_find(struct reversal *r, struct motion *m, pk_real threshold)
 {
-    const size_t n = pk_system_count(m->problem->system, m->problem->params);
+    const size_t n = pk_count_of(m->problem);
     pk_real *reach = memory_take(m->memory, 2 * n, sizeof *reach), last = 0;
     memset(r, 0, sizeof *r);
     enum pk_status status = measure(m, rounded(m, m->end - m->t), reach);

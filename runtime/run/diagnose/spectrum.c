@@ -25,12 +25,9 @@ static void lines(struct diagnostics *d, const struct pk_spectrum *s, const doub
                {"away", size > 0 ? away / size : 0},
                {"drifts", size > 0 ? fabs(s->rate) * dt * (double)count / size : 0});
     json_open(j, "lines", '[');
-    for (size_t k = 0; k < s->count; k++) {
-        json_open(j, NULL, '{');
-        json_reals(j, {"frequency", s->lines[k].frequency}, {"error", s->lines[k].error},
-                   {"amplitude", s->lines[k].amplitude}, {"phase", s->lines[k].phase});
-        json_close(j, '}');
-    }
+    for (size_t k = 0; k < s->count; k++)
+        json_object(j, NULL, {"frequency", s->lines[k].frequency}, {"error", s->lines[k].error},
+                    {"amplitude", s->lines[k].amplitude}, {"phase", s->lines[k].phase});
     json_close(j, ']');
     json_close(j, '}');
 }
@@ -39,8 +36,7 @@ static void lines(struct diagnostics *d, const struct pk_spectrum *s, const doub
 void diagnose_spectrum(struct diagnostics *d)
 {
     const struct settings *set = &d->run->settings;
-    const size_t n = set->n, width = 1 + 2 * n;
-    const size_t seen = pk_system_coordinates(set->system, set->params);
+    const size_t n = set->n, width = 1 + 2 * n, seen = settings_coordinates(set);
     const double dt = set->every > 0 ? set->every : set->options.h;
     const int at_events = set->asked.at && !set->has_every;
     struct json *j = &d->json;

@@ -1,6 +1,5 @@
 /* The symplecticity defect of the steps of a run; see motion.h. For each column of the derivative S
- * of a step, a unit displacement in (Q, P) is converted to (dq, dv), advanced by one step, and
- * converted back. */
+ * of a step, a unit displacement in (Q, P) becomes (dq, dv), is advanced, and converted back. */
 #include "../../src/core/internal.h"
 #include "parts.h"
 
@@ -146,7 +145,7 @@ void diagnose_symplectic(struct diagnostics *d)
     const struct pk_run *run = d->run;
     const struct motion m = motion_of(d->run);
     const size_t states = d->n_rows < 1 ? 1 : d->n_rows < STATES ? d->n_rows : STATES;
-    const int fixed = !(m.method->traits & PK_ADAPTIVE);
+    const int fixed = pk_is_fixed(m.method);
     const pk_real h = fixed ? m.options.h : m.end / (pk_real)run->it.count.steps;
     struct stepmap w;
     pk_real most = -1, volume = 0, rounding = 0, t = 0;

@@ -180,8 +180,7 @@ enum pk_status variation_init(struct variation *w, const struct motion *m, size_
     memcpy(w->Q, m->q, w->n_q * sizeof *w->Q);
     variation_put(w, m->v, 0, w->V);
     /* The momentum p of a displacement depends on q of the motion, and also on v unless M is
-     * constant. The mass kernel lacks the terms of dp/dv due to v, so that PK_QUADRATIC does not
-     * hold then. */
+     * constant. The mass kernel lacks the terms of dp/dv by v, so PK_QUADRATIC is off. */
     unsigned kept = PK_MASS_CONSTANT | PK_SEPARABLE | PK_AUTONOMOUS | PK_SMOOTH | PK_MASS_DIAGONAL |
                     PK_AFFINE | PK_LINEAR_DRAG;
     if (system->facts & PK_MASS_CONSTANT)

@@ -42,8 +42,8 @@ pk_real well_work(const struct well *w, pk_real q, pk_real a, pk_real b)
     const pk_real half = (b - a) / 2, middle = a + half;
     pk_real sum = 0;
     for (int i = 0; i < 3; i++)
-        sum += weight[i] * (force_at(w, q + (middle - half * x[i])) +
-                            force_at(w, q + (middle + half * x[i])));
+        sum += weight[i] *
+               (force_at(w, q + (middle - half * x[i])) + force_at(w, q + (middle + half * x[i])));
     return half * sum;
 }
 
@@ -83,8 +83,8 @@ static pk_real root_of(struct place *p, pk_function f, pk_real far)
 }
 
 /* Returns whether h - W has a root within the distance `far` from p, and sets *distance to its
- * distance. Beyond a low barrier, h - W may be positive again; so where the force changes sign, the
- * minimum of h - W is computed. */
+ * distance. Beyond a low barrier, h - W may be positive again: its minimum is computed where the
+ * force turns. */
 static int crosses(struct place *p, pk_real far, pk_real at_far, pk_real *least, pk_real *distance)
 {
     pk_real before, behind, U, to = far;
@@ -114,8 +114,7 @@ static int is_angle(const struct well *w, pk_real q)
         round += well_work(w, q, (pk_real)k * (TURN / PANELS_ROUND),
                            (pk_real)(k + 1) * (TURN / PANELS_ROUND));
     for (int k = 0; k < PROBES; k++) {
-        const pk_real x = q + (pk_real)k * PK_C(0.7310585786300049);
-        const pk_real X = x + TURN;
+        const pk_real x = q + (pk_real)k * PK_C(0.7310585786300049), X = x + TURN;
         const pk_real here[3] = {force_at(w, x), mass_at(w, x), linear_at(w, x)};
         const pk_real there[3] = {force_at(w, X), mass_at(w, X), linear_at(w, X)};
         for (int i = 0; i < 3; i++) {
@@ -140,16 +139,14 @@ struct end well_march(struct well *w, pk_real q, pk_real U, pk_real direction)
     pk_real y = 0, d = U > 0 && F > 0 ? U / F : pk_abs(q) > 0 ? pk_abs(q) : 1;
     for (int panel = 0; panel < PANELS && pk_finite(d); panel++) {
         d = PK_F(fmin)(d, w->longest);
-        const pk_real step = direction * d / PARTS;
-        const pk_real whole = well_work(w, q, y, y + direction * d);
+        const pk_real step = direction * d / PARTS, whole = well_work(w, q, y, y + direction * d);
         pk_real at[PARTS + 1] = {U}, most = w->most;
         for (int k = 0; k < PARTS; k++) {
             const pk_real from = y + (pk_real)k * step, to = y + (pk_real)(k + 1) * step;
             at[k + 1] = at[k] + well_work(w, q, from, to);
             most = PK_F(fmax)(most, at[k + 1]);
         }
-        /* The quadrature does not resolve the force, or the march starts at rest and the motion
-         * turns back within this panel. */
+        /* The force is not resolved, or the motion from rest turns back within this panel. */
         if (!(pk_abs(at[PARTS] - U - whole) <= FOLLOWED * most) || !(at[0] > 0 || at[1] > 0)) {
             d /= 4;
             if (!(pk_abs(y) + d / PARTS > pk_abs(y)))

@@ -93,8 +93,7 @@ static void report_failed(const struct settings *s, struct json *j, const char *
     json_open(j, key, '{');
     json_integer(j, "count", of->count);
     json_real(j, "member", (pk_real)member_number(s, of->member));
-    json_text(j, "status", pk_status_name(of->status));
-    json_text(j, "text", pk_status_text(of->status));
+    json_texts(j, {"status", pk_status_name(of->status)}, {"text", pk_status_text(of->status)});
     json_real(j, "t", of->t);
     json_text(j, "reason", of->reason);
     json_close(j, '}');
@@ -106,9 +105,8 @@ static void report(const struct pk_run *run, const struct batch *b, const struct
     const struct settings *s = &run->settings;
     struct json json = {.file = file}, *j = &json;
     json_open(j, NULL, '{');
-    json_text(j, "model", b->system->name);
-    json_text(j, "source_hash", b->system->source_hash);
-    json_text(j, "method", s->method->name);
+    json_texts(j, {"model", b->system->name}, {"source_hash", b->system->source_hash},
+               {"method", s->method->name});
     json_reals(j, {"order", s->method->order},
                {"step", member_fixed(s) ? s->options.h : PK_INFINITY});
     json_counts(j, {"members", s->asked.members}, {"done", tally->done}, {"failed", tally->failed});
@@ -198,13 +196,13 @@ static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
     struct tally *tally = &of->tally;
     const size_t ways = sizeof tally->failures / sizeof *tally->failures;
     size_t first = tally->first_failed ? 1 + (size_t)(tally->first_failed - tally->failures) : 0;
-    pk_keep(k, &of->first, sizeof of->first);
-    pk_keep(k, &tally->done, sizeof tally->done);
-    pk_keep(k, &tally->failed, sizeof tally->failed);
-    pk_keep(k, &tally->astray, sizeof tally->astray);
-    pk_keep(k, &tally->first_astray, sizeof tally->first_astray);
-    pk_keep(k, tally->failures, sizeof tally->failures);
-    pk_keep(k, &first, sizeof first);
+    PK_KEEP(k, of->first);
+    PK_KEEP(k, tally->done);
+    PK_KEEP(k, tally->failed);
+    PK_KEEP(k, tally->astray);
+    PK_KEEP(k, tally->first_astray);
+    PK_KEEP(k, tally->failures);
+    PK_KEEP(k, first);
     for (size_t i = 0; i < ways; i++)
         tally->failures[i].reason[TALLY_REASON - 1] = '\0';
     k->wrong |= first > ways || of->first > run->settings.asked.members;

@@ -15,8 +15,7 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, str
     const size_t n = b->n, n_columns = s->asked.n_member_columns;
     const double *row = s->asked.member_values + member * n_columns;
     char *params = b->params + i * system->params_size;
-    pk_real *q = b->q0 + i * n, *v = b->v0 + i * n;
-    pk_real *u = b->u + i * system->n_inputs;
+    pk_real *q = b->q0 + i * n, *v = b->v0 + i * n, *u = b->u + i * system->n_inputs;
     char who[40];
     memcpy(params, s->params, system->params_size);
     /* gives the member its own memory for families of parameters and factors of M */
@@ -133,7 +132,7 @@ void members_allocate(struct batch *b, struct pk_run *run, size_t rows)
 int member_fixed(const struct settings *s)
 {
     if (member_by_one(s))
-        return !(s->method->traits & PK_ADAPTIVE);
+        return pk_is_fixed(s->method);
     const struct pk_ensemble e = {.system = s->system, .method = s->method, .options = s->options};
     return pk_ensemble_fixed(&e);
 }

@@ -1,7 +1,6 @@
 /* Ensembles whose events are watched, or whose equations have switches: each member is a struct
- * pk_run with its own rows and results. Threads run members in parallel, and their output is merged
- * in the order of members.
- */
+ * pk_run with its own rows and results. Threads run in parallel, and output is merged in the order
+ * of members. */
 #include "../diagnose/area.h"
 #include "../settings/settings.h"
 #include "ensemble.h"
@@ -34,8 +33,7 @@ static size_t kinds(const struct settings *s)
     return s->system->events.n + s->system->switches.n;
 }
 
-/* Initialises a member's run: its own parameters, initial state, inputs, expectations and
- * memory. */
+/* Initialises a member's run: parameters, initial state, inputs, expectations and memory. */
 static void prepare(struct pk_run *run, const struct work *w, size_t i)
 {
     const struct batch *b = w->b;

@@ -1,8 +1,7 @@
 /* An observer that computes condition numbers along a run (pk/condition.h). It examines about 64
  * states, evenly spread in time. It also examines states where a rate changes twice as fast as at
  * any earlier step: near such states the mass matrix M may be nearly singular for a short time.
- * After 1024 steps it only considers one step in 8, which keeps its cost below 5 % of explicit
- * runs. */
+ * After 1024 steps it only considers one step in 8, for a cost below 5 % of explicit runs. */
 #include "condition.h"
 
 /* accelerations that amplify rounding by more than this factor give a warning */
@@ -34,8 +33,7 @@ struct looking { /* the arrays v and turned, and block, follow this struct in me
 struct looking *condition_begin(struct memory *memory, const struct pk_problem *problem,
                                 const struct pk_method *method)
 {
-    const size_t size = pk_condition_size(problem, method);
-    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t size = pk_condition_size(problem, method), n = pk_count_of(problem);
     if (!size)
         return NULL;
     struct looking *l = memory_take(memory, 1, sizeof *l + 2 * n * sizeof *l->v + size);
@@ -81,11 +79,8 @@ void condition_step(struct looking *l, struct pk_integrator *it, pk_real until,
 
 static void report_most(struct json *j, const char *key, const struct pk_condition_most *most)
 {
-    if (!(most->x > 0))
-        return;
-    json_open(j, key, '{');
-    json_reals(j, {"cond", most->x}, {"t", most->t});
-    json_close(j, '}');
+    if (most->x > 0)
+        json_object(j, key, {"cond", most->x}, {"t", most->t});
 }
 
 static void where(const struct looking *l, char *text, size_t size)

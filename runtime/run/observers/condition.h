@@ -8,8 +8,7 @@
 
 struct looking;
 
-/* Returns NULL if the system and method have no matrix to examine. memory_drop() frees the result;
- * `problem` must outlive it. */
+/* Returns NULL without a matrix to examine. memory_drop() frees it; `problem` must outlive it. */
 struct looking *condition_begin(struct memory *memory, const struct pk_problem *problem,
                                 const struct pk_method *method);
 /* Called at the start and after each step; with `it` NULL, matrices of steps are not examined. */

@@ -47,8 +47,7 @@ void report_drift(struct json *j, const char *key, const char *name, const struc
     json_text(j, "name", name);
     json_reals(j, {"max", pk_drift_max(drift)}, {"final", pk_drift_final(drift)},
                {"slope", pk_drift_slope(drift)});
-    /* max, final and slope are relative to `scale`. If `scale` is as small as round-off, the drift
-     * is round-off, too. */
+    /* max, final and slope are relative to `scale`. If that is round-off, the drift is too. */
     json_reals(j, {"scale", drift->scale}, {"first", drift->first}, {"exponent", exponent},
                {"spread", spread});
     json_text(j, "growth", far ? "off by more than a tenth" : pk_growth_text(growth));

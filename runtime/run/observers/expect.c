@@ -3,12 +3,10 @@
 
 #include "../settings/settings.h"
 
-static int is_number(pk_real x) { return x - x == PK_C(0.0); }
-
 /* Returns whether `now` is worse than `before`; NaN is worse than any number. */
 static int is_worst(int first, pk_real now, pk_real before)
 {
-    return first || (is_number(before) && !(now <= before));
+    return first || (before - before == PK_C(0.0) && !(now <= before));
 }
 
 /* Checks the relation between a and b, and keeps the worst case. A NaN counts as a failure. */
@@ -35,8 +33,8 @@ static const pk_real *outputs(struct pk_run *run, const struct moment *at)
 {
     const struct settings *s = &run->settings;
     refresh_inputs(s, at->t, at->q, at->v);
-    if (run->settings.system->n_observed)
-        run->settings.system->observe(s->params, at->t, at->q, at->v, s->u, run->expected);
+    if (s->system->n_observed)
+        s->system->observe(s->params, at->t, at->q, at->v, s->u, run->expected);
     return run->expected;
 }
 
@@ -58,8 +56,7 @@ pk_real expect_limit(const struct pk_run *run, pk_real t, pk_real limit)
     return next;
 }
 
-/* Checks all relations of one kind: `when` is t (at a time), e (at the event with the index
- * `event`) or r (at rows). */
+/* Checks all relations of one kind: `when` is t (time), e (event `event`) or r (rows). */
 static void compare_all(struct pk_run *run, char when, size_t event, const struct moment *at)
 {
     const pk_real *out = NULL;
@@ -190,10 +187,8 @@ void expect_report(const struct pk_run *run, struct json *j)
     json_close(j, ']');
     json_open(j, "expect_drifts", '[');
     for (size_t i = 0; i < s->asked.n_drifts; i++) {
-        json_open(j, NULL, '{');
-        json_reals(j, {"member", (pk_real)member_number(s, s->drifting[i].member)},
-                   {"max", s->drifting[i].max});
-        json_close(j, '}');
+        json_object(j, NULL, {"member", (pk_real)member_number(s, s->drifting[i].member)},
+                    {"max", s->drifting[i].max});
     }
     json_close(j, ']');
 }
@@ -204,7 +199,7 @@ static void keep(struct pk_run *run, struct pk_keep *k)
     for (size_t i = 0; i < run->settings.asked.n_expected; i++) {
         struct expected *x = &run->settings.expected[i];
         const struct pk_run_expected of = x->of;
-        pk_keep(k, x, sizeof *x);
+        PK_KEEP(k, *x);
         x->of = of;
     }
     for (size_t i = 0; i < run->settings.asked.n_drifts; i++) {

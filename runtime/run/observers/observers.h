@@ -36,8 +36,7 @@ struct pk_run_diagnose {
     /* Prepares the area that an ensemble encloses whose initial states form a closed loop:
      * allocates memory for the members at the start and at `count` times. Returns the exit code. */
     enum pk_run_code (*area_begin)(struct pk_run *run, const pk_real *t, size_t count);
-    /* Stores a member's state if t is the time of its next row; the settings hold its
-     * parameters. */
+    /* Stores a member's state at the time of its next row; the settings hold its parameters. */
     void (*area_note)(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v);
     /* Computes the area for the report. `gone` says why members may have ended early, for messages.
      * Returns `code` unless that fails. */
@@ -81,8 +80,7 @@ pk_real expect_limit(const struct pk_run *run, pk_real from, pk_real limit);
 /* Checks the relations at a time that expect_limit() returned. */
 void expect_landed(struct pk_run *run, const struct moment *at);
 /* Returns whether the drift of the energy is requested. The drift is then measured even if the
- * facts of the system do not say that the energy is constant, for example since this depends on a
- * parameter (--no-reduce). */
+ * facts of the system do not say that the energy is constant, as with --no-reduce. */
 int expect_uses_h(const struct pk_run *run);
 /* Returns whether nothing is checked at ends of steps: no drifts, no relations at times. */
 int expect_lean(const struct pk_run *run);
@@ -100,8 +98,7 @@ void report_drift(struct json *j, const char *key, const char *name, const struc
 
 /* Events: times of crossings for the report, and warnings. */
 enum { WATCH_TIMES = 1000 }; /* limit of crossing times of an event in the report */
-/* an event function g below this fraction of its scale (`parts` in struct crossed) counts as
- * rounding */
+/* an event function g below this fraction of its scale (`parts` in struct crossed) is rounding */
 #define WATCH_NOISE PK_C(1e-8)
 
 /* Returns the name of event k. Events are numbered first, then switches. */
@@ -113,8 +110,7 @@ const char *watch_name(const struct pk_system *system, size_t k);
 void watch_warn(struct pk_run *run);
 
 /* trust.c determines whether the result of a run can be trusted. The status of a run describes the
- * path that was computed. If this path left the true motion earlier, the status says nothing about
- * the true motion. */
+ * path that was computed. If this path left the true motion earlier, the status does not tell. */
 /* an energy drift above this fraction of the energy's scale is wrong */
 #define TRUST_WRONG PK_C(1e-2)
 /* The status in the report of a run whose steps went on past the end of the motion. Only trust.c

@@ -44,8 +44,7 @@ static void row(struct pk_run *run, const struct moment *at)
     run->reduces++;
 }
 
-/* Returns whether the relation was checked at least once for the current member, and held in all
- * these checks. */
+/* Returns whether the relation was checked for the current member, and always held. */
 static int met(struct expected *x)
 {
     const int found = x->count > x->counted && x->missed == x->lost;

@@ -100,8 +100,7 @@ pk_real rows_value(const struct pk_run *run, const struct pk_run_column *column,
 }
 
 /* Sets an output to NaN if round-off of the state changes it by more than the fraction LOST of its
- * value. Accelerations and constraint forces are such outputs near positions where constraints
- * become linearly dependent. */
+ * value. Accelerations and constraint forces are such where constraints become dependent. */
 static void lose(struct pk_run *run, const struct moment *at, pk_real *out)
 {
     const struct settings *s = &run->settings;

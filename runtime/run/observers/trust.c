@@ -42,8 +42,8 @@ static int doubtful(const struct pk_run *run)
     return found && run->it.t > 0;
 }
 
-/* Integrates the same motion to t by the method JUDGE, and writes the time at which it ends, or
- * that it does not end before t. */
+/* Integrates the same motion to t by the method JUDGE, and writes its end, or that there is
+ * none. */
 static void judge(struct pk_run *run, pk_real t, FILE *file)
 {
     const struct settings *s = &run->settings;
@@ -83,8 +83,7 @@ static void judge(struct pk_run *run, pk_real t, FILE *file)
 void trust_judge(struct pk_run *run)
 {
     const int fixed = run_fixed(run), arrived = run->it.status >= 0;
-    /* Fixed steps that reach the end of the run with a wrong energy may have passed a point at
-     * which the motion ends. */
+    /* Fixed steps that arrive with a wrong energy may have passed the end of the motion. */
     if (run->settings.n_parts || run->bare.samples.n ||
         !(arrived ? fixed && run->distrusted && !run->interrupted : doubtful(run)))
         return;

@@ -48,12 +48,12 @@ void watch_warn(struct pk_run *run)
             run_say(run, "warning: %s %s: from t = %.9g on %s",
                     k < system->events.n ? "event" : "switch", watch_name(system, k),
                     (double)run->crossed[k].doubtful_t, WATCH_TOO_OFTEN);
-    for (size_t k = 0; run->crossed && k < run->problem.system->events.n; k++)
+    for (size_t k = 0; run->crossed && k < system->events.n; k++)
         if (run->crossed[k].count && !run->crossed[k].leaves && run->crossed[k].states > FEW)
             run_say(run,
                     "event %s: its function stays within %g of zero, beside what it is made "
                     "of: its crossings may be no more than errors",
-                    run->problem.system->events.table[k].what.name, (double)WATCH_NOISE);
+                    system->events.table[k].what.name, (double)WATCH_NOISE);
 }
 
 /* Writes `count` events or switches, the first with index `from`, and their crossing times. */
@@ -105,7 +105,7 @@ static void keep(struct pk_run *run, struct pk_keep *k)
         struct crossed *crossed = &run->crossed[i];
         pk_real *const times = crossed->t;
         crossed->t = NULL;
-        pk_keep(k, crossed, sizeof *crossed);
+        PK_KEEP(k, *crossed);
         crossed->t = times;
         pk_keep(k, times, WATCH_TIMES * sizeof *times);
     }

@@ -1,6 +1,5 @@
 /* Marks: hashes of all settings that determine the results of a run. A checkpoint stores them, and
- * only a run with the same marks can resume it. Output files and callbacks have no marks.
- */
+ * only a run with the same marks can resume it. Output files and callbacks have no marks. */
 #include "settings.h"
 
 #define FIRST 0xcbf29ce484222325u /* 64-bit FNV-1a */

@@ -119,7 +119,7 @@ void settings_tell(struct pk_run *run, FILE *file)
         json_real(&j, NULL, range.is_family ? (pk_real)range.count : 0);
     }
     json_close(&j, ']');
-    json_numbers(&j, "q", s->q, pk_system_coordinates(s->system, s->params));
+    json_numbers(&j, "q", s->q, settings_coordinates(s));
     json_numbers(&j, "v", s->v, s->n);
     json_counts(&j, {"rotations", s->system->n_rotations},
                 {"constraints", s->system->constraints.n},
@@ -127,7 +127,7 @@ void settings_tell(struct pk_run *run, FILE *file)
     json_flag(&j, "conservative", (s->system->facts & PK_CONSERVATIVE) != 0);
     json_flag(&j, "autonomous", (s->system->facts & PK_AUTONOMOUS) != 0);
     json_open(&j, "cyclic", '[');
-    for (size_t i = 0; s->system->cyclic && i < pk_system_coordinates(s->system, s->params); i++)
+    for (size_t i = 0; s->system->cyclic && i < settings_coordinates(s); i++)
         if (s->system->cyclic[i])
             json_integer(&j, NULL, i);
     json_close(&j, ']');

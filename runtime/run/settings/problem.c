@@ -20,7 +20,7 @@ static void constant_input(void *context, pk_real t, pk_real *u)
 
 static void see(const struct settings *s, const pk_real *q, const pk_real *v)
 {
-    const size_t n_q = pk_system_coordinates(s->system, s->params);
+    const size_t n_q = settings_coordinates(s);
     for (size_t i = 0; q && i < n_q; i++)
         s->asked.seen[i] = (double)q[i];
     for (size_t i = 0; v && i < s->n; i++)

@@ -184,8 +184,7 @@ int settings_assign(struct settings *s, void *params, const struct pk_run_value 
                 continue;
             if (range_of(s, at).is_family != families)
                 continue;
-            /* Default values of members are derived before given values replace them; defaults may
-             * depend on families set before. */
+            /* Defaults of members come before given values, and may depend on earlier families. */
             if (families)
                 system->derive(params, s->given);
             if (!set(s, params, asked, n, at) || !set(s, params, more, n_more, at))
@@ -264,8 +263,7 @@ static const char *columns(struct settings *s)
         all += count_of(s, *kind);
     s->show = memory_take(s->memory, all, sizeof *s->show);
     for (const char *kind = kinds; *kind; kind++) {
-        const size_t count = *kind == 'q' ? pk_system_coordinates(s->system, s->params)
-                                          : count_of(s, *kind);
+        const size_t count = *kind == 'q' ? settings_coordinates(s) : count_of(s, *kind);
         for (size_t i = 0; i < count; i++) {
             int hidden = 0;
             for (size_t j = 0; *kind == 'o' && j < x->n_hidden; j++)
@@ -370,13 +368,11 @@ enum pk_run_code settings_take(struct pk_run *run)
                            .control = &run->control,
                            .polls = 1};
     if (system->abi != PK_ABI)
-        run_say(run, "the model was compiled for another runtime: compile it anew");
-    else if (!s->method)
-        run_say(run, "there is no such method: %s%s", method, run_method_lack(method));
-    else if (lack(&s->asked, model))
-        run_say(run, "the program was linked without %s", lack(&s->asked, model));
-    if (system->abi != PK_ABI || !s->method || lack(&s->asked, model))
-        return PK_RUN_USAGE;
+        return run_refuse(run, "the model was compiled for another runtime: compile it anew");
+    if (!s->method)
+        return run_refuse(run, "there is no such method: %s%s", method, run_method_lack(method));
+    if (lack(&s->asked, model))
+        return run_refuse(run, "the program was linked without %s", lack(&s->asked, model));
     s->params = memory_take(s->memory, 1, system->params_size);
     s->given = memory_take(s->memory, system->n_parameters, 1);
     s->u = memory_take(s->memory, system->n_inputs, sizeof *s->u);

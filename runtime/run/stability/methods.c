@@ -1,6 +1,5 @@
 /* Writes the list of methods as JSON: traits, required facts about the system, and limits of the
- * step size on linear equations (pk/limits.h). An infinite limit is "infinite"; an unknown one is
- * null. */
+ * step size on linear equations (pk/limits.h). An infinite one is "infinite", an unknown null. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <pk/limits.h>

@@ -51,7 +51,7 @@ struct pk_stability *pk_stability_begin(struct pk_run *run, const char *method, 
     struct pk_stability *of = calloc(1, sizeof *of);
     const struct pk_method *found = run_method_find(run->model, method);
     *status = PK_BAD_ARGUMENT;
-    if (of && found && (h > 0) == !(found->traits & PK_ADAPTIVE)) {
+    if (of && found && (h > 0) == pk_is_fixed(found)) {
         of->run = run;
         of->method = found;
         of->watch = watch;

@@ -8,8 +8,8 @@
 static enum pk_status everything(struct pk_run *run, checkpoint_keep *keep, void *context,
                                  struct pk_keep *k)
 {
-    pk_keep(k, &run->seconds, sizeof run->seconds);
-    pk_keep(k, &run->processor, sizeof run->processor);
+    PK_KEEP(k, run->seconds);
+    PK_KEEP(k, run->processor);
     const enum pk_status status = keep(run, context, k);
     observe_keep(run, k);
     return status < 0 ? status : k->wrong ? PK_BLOCK_TOO_SMALL : PK_DONE;
@@ -47,7 +47,7 @@ static int resume(struct pk_run *run, checkpoint_keep *keep, void *context)
     k.from = checkpoint_load(&run->memory, run->settings.asked.checkpoint, &k.size, &why);
     if (!k.from)
         return refuse(run, why, "");
-    pk_keep(&k, &is, sizeof is);
+    PK_KEEP(&k, is);
     if (k.wrong || memcmp(is.model, now.model, sizeof is.model) != 0)
         return refuse(run, "it is of another model, or this one was changed", "");
     for (size_t i = 0; i < MARKS; i++)
@@ -93,7 +93,7 @@ void checkpoint_write(struct pk_run *run, checkpoint_keep *keep, void *context)
     /* if memory runs out, the run continues without this checkpoint */
     k.to = memory_ask(&run->memory, k.size, 1);
     k.used = 0;
-    pk_keep(&k, &of, sizeof of);
+    PK_KEEP(&k, of);
     if (k.to)
         everything(run, keep, context, &k);
     const int wrong =

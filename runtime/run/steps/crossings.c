@@ -8,8 +8,7 @@ static struct moment moment_of(const struct pk_events *e)
     return (struct moment){e->t, e->q, e->v};
 }
 
-/* Writes the rows that are due up to the switch. The step ends at the switch; no dense output is
- * available afterwards. */
+/* Writes the rows that are due up to the switch. The step ends there, without dense output. */
 static void switched(void *context, const struct pk_events *events)
 {
     struct pk_run *run = context;

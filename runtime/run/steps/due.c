@@ -4,13 +4,11 @@
  * last step before `until` or a switch is shorter, and a row within a step is computed by an extra,
  * shorter step from the same state. The steps of an adaptive method end at rows, unless its dense
  * output is as accurate as its steps: this is so for gauss, but dense output of dopri5 and dop853
- * loses digits at tight tolerances (measured in tests/runtime).
- */
+ * loses digits at tight tolerances (measured in tests/runtime). */
 #include "steps.h"
 
 /* A quotient that exceeds an integer by less than the fraction 1e-12 counts as this integer. For
- * more than 1e9 intervals the fraction is that of round-off, since 1e-12 of a huge quotient could
- * be a whole interval. */
+ * more than 1e9 intervals the fraction is that of round-off, as 1e-12 of it may be an interval. */
 pk_real run_intervals(pk_real whole, pk_real part)
 {
     const pk_real ratio = whole / part, round = 4 * PK_EPSILON;
@@ -80,8 +78,7 @@ pk_real run_wanted(const struct pk_run *run, pk_real from, pk_real limit)
     return expect_limit(run, from, row < limit ? row : limit);
 }
 
-/* Returns the next sample, or the next of settings.stops, where inputs are computed, or `limit` if
- * that is earlier. */
+/* Returns the next sample, or stop, where inputs are computed, or an earlier `limit`. */
 static pk_real stop(const struct pk_run *run, pk_real limit)
 {
     const struct pk_run_settings *x = &run->settings.asked;
@@ -91,8 +88,7 @@ static pk_real stop(const struct pk_run *run, pk_real limit)
     return k < x->n_stops && (pk_real)x->stops[k] < limit ? (pk_real)x->stops[k] : limit;
 }
 
-/* An adaptive step ends at the latest at the next expectation; if asked.land is set, also at the
- * next row. */
+/* An adaptive step ends at the next expectation at the latest; with asked.land, at rows too. */
 pk_real run_limit(const struct pk_run *run)
 {
     const struct settings *s = &run->settings;

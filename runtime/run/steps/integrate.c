@@ -68,8 +68,7 @@ static int by_time(const struct pk_run *run)
 }
 
 /* Returns how many fixed steps to make before the observers are called again. This is 1 if the
- * observers need every step, or a row is due soon. Otherwise it is the number of steps up to the
- * next multiple of LOOK. */
+ * observers need every step, or a row is due soon; else up to the next multiple of LOOK. */
 static unsigned long unseen(const struct pk_run *run)
 {
     enum { ALL = 1024, LOOK = 16 };
@@ -119,11 +118,11 @@ static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
 {
     int aside = run->aside_block != NULL;
     (void)context;
-    pk_keep(k, &run->next, sizeof run->next);
-    pk_keep(k, &run->expecting, sizeof run->expecting);
-    pk_keep(k, &run->h_min, sizeof run->h_min);
-    pk_keep(k, &run->h_max, sizeof run->h_max);
-    pk_keep(k, &aside, sizeof aside);
+    PK_KEEP(k, run->next);
+    PK_KEEP(k, run->expecting);
+    PK_KEEP(k, run->h_min);
+    PK_KEEP(k, run->h_max);
+    PK_KEEP(k, aside);
     if (run->bare.samples.n)
         pk_sampler_keep(&run->sampler, k);
     k->wrong |= !(run->next >= 0 && run->next <= run->count + 1) ||

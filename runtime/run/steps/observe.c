@@ -1,6 +1,5 @@
 /* Calls the observers of a run in the order of the report: events first, condition numbers and
- * diagnostics last. Drifts are measured before trust.c reads them; rows fill run->cells before
- * reductions read it. */
+ * diagnostics last. Drifts come before trust.c, and rows before reductions, which read them. */
 #include "steps.h"
 
 static const struct observer *const observers[] = {

@@ -59,8 +59,7 @@ void observe_keep(struct pk_run *run, struct pk_keep *k);
 void observe_report(const struct pk_run *run, struct json *j);
 
 /* In subsystems.c: blocks of coordinates with integrators of their own; see pk/subsystems.h. */
-/* Refuses settings that need all coordinates together, and chooses methods and options of
- * blocks. */
+/* Refuses settings that need all coordinates together; chooses methods and options of blocks. */
 enum pk_run_code subsystems_choose(struct pk_run *run);
 enum pk_run_code subsystems_begin(struct pk_run *run);
 void subsystems_integrate(struct pk_run *run);

@@ -24,33 +24,29 @@ static struct pk_choice choice_of(const struct settings *s, size_t k)
 enum pk_run_code subsystems_choose(struct pk_run *run)
 {
     struct settings *s = &run->settings;
-    const char *none = s->asked.members                 ? "ensembles"
-                       : run->settings.system->events.n ? "events"
-                       : s->asked.diagnose              ? "diagnostics"
-                       : s->asked.land == 0             ? "dense rows"
-                                                        : NULL;
+    const char *none = s->asked.members      ? "ensembles"
+                       : s->system->events.n ? "events"
+                       : s->asked.diagnose   ? "diagnostics"
+                       : s->asked.land == 0  ? "dense rows"
+                                             : NULL;
     settle_every(s);
     if (!none && !(s->every > 10 * PK_EPSILON * s->until))
         none = "rows at each step";
-    if (none) {
-        run_say(run, "blocks integrated apart have no %s", none);
-        return PK_RUN_USAGE;
-    }
+    if (none)
+        return run_refuse(run, "blocks integrated apart have no %s", none);
     s->asked.land = 1;
     run->count = run_intervals(s->until, s->every);
-    run->choices = memory_take(&run->memory, run->settings.n_parts, sizeof *run->choices);
-    for (size_t k = 0; k < run->settings.n_parts; k++) {
+    run->choices = memory_take(&run->memory, s->n_parts, sizeof *run->choices);
+    for (size_t k = 0; k < s->n_parts; k++) {
         struct pk_choice *c = &run->choices[k];
         *c = choice_of(s, k);
         if (c->method->traits & PK_ADAPTIVE)
             continue;
         if (!(c->options.h > 0) && (c->method->traits & PK_EXACT))
             c->options.h = s->every;
-        if (!(c->options.h > 10 * PK_EPSILON * s->until)) {
-            run_say(run, "part %zu: method %s has a fixed step: give it by --step", k + 1,
-                    c->method->name);
-            return PK_RUN_USAGE;
-        }
+        if (!(c->options.h > 10 * PK_EPSILON * s->until))
+            return run_refuse(run, "part %zu: method %s has a fixed step: give it by --step", k + 1,
+                              c->method->name);
         c->options.h = run_step(s->every, c->options.h);
     }
     return PK_RUN_DONE;
@@ -63,7 +59,7 @@ static void look(struct pk_run *run)
     struct pk_integrator *it = &run->it;
     it->problem = run->problem;
     it->method = run->settings.method;
-    it->n_q = pk_system_coordinates(run->problem.system, run->problem.params);
+    it->n_q = pk_coordinates_of(&run->problem);
     it->n = run->settings.n;
     it->t = a->t;
     it->q = a->q;
@@ -86,13 +82,12 @@ enum pk_run_code subsystems_begin(struct pk_run *run)
 {
     struct settings *s = &run->settings;
     run->problem = run_problem(run);
-    const size_t size =
-        pk_subsystems_size(&run->problem, run->settings.parts, run->choices, run->settings.n_parts);
+    const size_t size = pk_subsystems_size(&run->problem, s->parts, run->choices, s->n_parts);
     run->block = memory_take(&run->memory, size, 1);
     drift_begin(run, &run->problem);
-    const enum pk_status status =
-        pk_subsystems_init(&run->subsystems, &run->problem, run->settings.parts, run->choices,
-                           run->settings.n_parts, 0, s->q, s->v, run->block, size);
+    const enum pk_status status = pk_subsystems_init(&run->subsystems, &run->problem, s->parts,
+                                                     run->choices, s->n_parts, 0, s->q, s->v,
+                                                     run->block, size);
     look(run);
     return status < 0 ? PK_RUN_FAILED : PK_RUN_DONE;
 }
@@ -137,7 +132,7 @@ static void watch_parts(struct pk_run *run)
 static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
 {
     (void)context;
-    pk_keep(k, &run->next, sizeof run->next);
+    PK_KEEP(k, run->next);
     const enum pk_status status = pk_subsystems_keep(&run->subsystems, k);
     for (size_t i = 0; i < run->subsystems.count; i++)
         pk_monitor_keep(&run->part_monitors[i], k);
@@ -191,13 +186,10 @@ void subsystems_report(const struct pk_run *run, struct json *j)
         for (size_t i = 0; i < part->of.system->n; i++)
             json_text(j, NULL, part->of.system->coordinates[i].name);
         json_close(j, ']');
-        json_text(j, "method", c->method->name);
-        json_text(j, "status", pk_status_name(part->it.status));
-        json_real(j, "t", part->it.t);
-        if (c->method->traits & PK_ADAPTIVE)
-            json_real(j, "rtol", c->options.rtol);
-        else
-            json_real(j, "step", c->options.h);
+        const int adaptive = (c->method->traits & PK_ADAPTIVE) != 0;
+        json_texts(j, {"method", c->method->name}, {"status", pk_status_name(part->it.status)});
+        json_reals(j, {"t", part->it.t},
+                   {adaptive ? "rtol" : "step", adaptive ? c->options.rtol : c->options.h});
         json_counts(j, {"steps", part->it.count.steps}, {"rejections", part->it.count.rejections},
                     {"evaluations", part->it.count.evaluations});
         json_close(j, '}');

@@ -7,31 +7,23 @@
 static enum pk_run_code settle(struct pk_run *run)
 {
     struct settings *s = &run->settings;
-    const int fixed = s->asked.members ? run->model->ensemble->fixed(s)
-                                       : !(s->method->traits & PK_ADAPTIVE);
+    const int fixed = s->asked.members ? run->model->ensemble->fixed(s) : pk_is_fixed(s->method);
     settle_every(s);
-    if ((!fixed || s->asked.members) && !(s->every > 0)) {
-        run_say(run, "every 0 (each step) is for one run of a method of a fixed step");
-        return PK_RUN_USAGE;
-    }
+    if ((!fixed || s->asked.members) && !(s->every > 0))
+        return run_refuse(run, "every 0 (each step) is for one run of a method of a fixed step");
     if (!s->has_every && (s->asked.bare || s->asked.at))
         s->every = 0;
-    const pk_real interval = s->every > 0 ? s->every : s->until;
-    if (!(interval > 10 * PK_EPSILON * s->until) ||
-        (fixed && s->options.h > 0 && !(s->options.h > 10 * PK_EPSILON * s->until))) {
-        run_say(run, "every and step must be above the round-off of until, %.3g",
-                (double)(10 * PK_EPSILON * s->until));
-        return PK_RUN_USAGE;
-    }
+    const pk_real interval = s->every > 0 ? s->every : s->until, least = 10 * PK_EPSILON * s->until;
+    if (!(interval > least) || (fixed && s->options.h > 0 && !(s->options.h > least)))
+        return run_refuse(run, "every and step must be above the round-off of until, %.3g",
+                          (double)least);
     run->next = 1;
     run->count = s->every > 0 ? run_intervals(s->until, s->every) : 0;
     s->has_step = s->options.h > 0;
     if (!s->has_step && (s->method->traits & PK_EXACT))
         s->options.h = interval;
-    if (fixed && !(s->options.h > 0)) {
-        run_say(run, "method %s has a fixed step: give it by --step", s->method->name);
-        return PK_RUN_USAGE;
-    }
+    if (fixed && !(s->options.h > 0))
+        return run_refuse(run, "method %s has a fixed step: give it by --step", s->method->name);
     if (fixed)
         s->options.h = s->asked.bare ? s->until / run_intervals(s->until, s->options.h)
                                      : run_step(interval, s->options.h);

@@ -1,5 +1,4 @@
-/* Residuals of constraints, the check of an initial state, and texts for failures; see
- * pk/constraint.h. */
+/* Residuals of constraints, the check of a start, and texts for failures; see pk/constraint.h. */
 #include <stdio.h>
 #include <string.h>
 
@@ -15,7 +14,7 @@ size_t pk_constraint_size(const struct pk_problem *problem)
 {
     if (!problem || !problem->system || problem->system->abi != PK_ABI)
         return 0;
-    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t n = pk_count_of(problem);
     return (pk_project_size(problem, n) + problem->system->n_inputs + 1) * sizeof(pk_real);
 }
 
@@ -27,7 +26,7 @@ static enum pk_status begin(struct pk_projection *w, const struct pk_problem *pr
         return PK_BAD_ARGUMENT;
     if (size < pk_constraint_size(problem) || (size_t)block % _Alignof(pk_real))
         return PK_BLOCK_TOO_SMALL;
-    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t n = pk_count_of(problem);
     pk_real *u = (pk_real *)block + pk_project_size(problem, n);
     pk_input(problem, t, u);
     *w = pk_project_parts(problem, n, (pk_real *)block);
@@ -115,7 +114,7 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     int moved;
     if (!it->own->project)
         return PK_DONE;
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct pk_projection w = pk_projection(it);
     pk_zero(w.most, w.c);
     pk_zero(w.sizes, w.whole ? w.c * w.n : 0);
     w.t = it->t;
@@ -195,7 +194,7 @@ int pk_constraint_name(const struct pk_system *system, const void *params, size_
 /* Writes the names of the rows on which the dependent row depends: "a, b". */
 static void of_others(const struct pk_integrator *it, char *text, size_t size)
 {
-    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    const struct pk_projection w = pk_projection(it);
     char name[96];
     size_t used = 0;
     int count = 0;
@@ -218,12 +217,15 @@ static void of_others(const struct pk_integrator *it, char *text, size_t size)
  * factorisation of J M^-1 J^T has found no pivot for it. */
 static int inertia_hides(const struct pk_integrator *it, size_t row)
 {
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct pk_projection w = pk_projection(it);
     if (!w.whole)
         return 0;
     pk_project_rank(&w);
     return w.sines[row] > PK_DEPENDENT;
 }
+
+/* Writes to the caller's text, then the last valid time. */
+#define SAY(...) pk_say(it, text, size, __VA_ARGS__)
 
 int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
 {
@@ -242,24 +244,21 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
     case PK_REASON_REDUNDANT_RATE:
         named(system->constraints.redundant_names, system->constraints.n_redundant, reason->index,
               name, sizeof name);
-        return pk_say(it, text, size,
-                      "%s: %s follows from the others where the model starts, not "
-                      "here: %sit is broken by %.3g",
-                      what, name, reason->kind == PK_REASON_REDUNDANT ? "" : "as rates go, ",
-                      value);
+        return SAY("%s: %s follows from the others where the model starts, not "
+                   "here: %sit is broken by %.3g",
+                   what, name, reason->kind == PK_REASON_REDUNDANT ? "" : "as rates go, ", value);
     case PK_REASON_BRANCH:
         pk_constraint_name(system, it->problem.params, row, name, sizeof name);
-        return pk_say(it, text, size,
-                      "%s: at t = %.9g %s ends or depends on others, and behind it the branch of "
-                      "the motion cannot be told",
-                      what, (double)reason->time, name);
+        return SAY("%s: at t = %.9g %s ends or depends on others, and behind it the branch of "
+                   "the motion cannot be told",
+                   what, (double)reason->time, name);
     case PK_REASON_NO_START:
-        return pk_say(it, text, size, "%s: no start on them is found near the given values", what);
+        return SAY("%s: no start on them is found near the given values", what);
     case PK_REASON_NO_ROW:
-        return pk_say(it, text, size, "%s", what);
+        return SAY("%s", what);
     case PK_REASON_QUATERNION:
         if (reason->index >= pk_system_rotations(system, it->problem.params))
-            return pk_say(it, text, size, "%s", what);
+            return SAY("%s", what);
         pk_system_name(system, it->problem.params, system->rates,
                        pk_system_turning(system, it->problem.params, reason->index).rate, name,
                        sizeof name);
@@ -272,7 +271,7 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
     pk_constraint_name(system, it->problem.params, row, name, sizeof name);
     of_others(it, others, sizeof others);
     if (it->status == PK_OFF_CONSTRAINTS) {
-        const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+        const struct pk_projection w = pk_projection(it);
         char last[96];
         if (w.depends[0] > 0) {
             pk_constraint_name(system, w.params, pk_index(w.depends[0] - 1, w.c), last,
@@ -284,13 +283,12 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
                         reason->kind == PK_REASON_ROW_RATE ? ", as rates go," : "", value, more);
     }
     if (*others && inertia_hides(it, row))
-        return pk_say(it, text, size,
-                      "%s: beside %s the multiplier of %s loses all digits: by their inertia these "
-                      "rows are all but one",
-                      what, others, name);
+        return SAY("%s: beside %s the multiplier of %s loses all digits: by their inertia these "
+                   "rows are all but one",
+                   what, others, name);
     if (*others)
-        return pk_say(it, text, size, "%s: %s depends on %s%s", what, name, others, alone);
-    if (pk_project_parts(&it->problem, it->n, it->own->project).depends[0] > 0)
-        return pk_say(it, text, size, "%s: nothing that moves enters %s", what, name);
-    return pk_say(it, text, size, "%s: %s is left broken by %.3g", what, name, value);
+        return SAY("%s: %s depends on %s%s", what, name, others, alone);
+    if (pk_projection(it).depends[0] > 0)
+        return SAY("%s: nothing that moves enters %s", what, name);
+    return SAY("%s: %s is left broken by %.3g", what, name, value);
 }

@@ -1,7 +1,6 @@
 /* Monitors sigma, a measure of the distance of a motion from a position where constraint rows are
  * linearly dependent; there sigma is 0 (see singular_crossing.c). A step needs the factors of J
- * M^-1 J^T anyway, and sigma comes from these factors; the slope of sigma in time is computed only
- * where sigma is small. */
+ * M^-1 J^T anyway, and sigma comes from these factors; its slope in time only where it is small. */
 #include <string.h>
 
 #include <pk/constraint.h>
@@ -22,15 +21,13 @@
 static size_t lay_out(struct pk_singular_crossing_parts *x, size_t n_q, size_t n, pk_real *base)
 {
     pk_real *is = NULL;
-    const struct pk_slot slots[] = {{&is, PK_REALS_OF(struct pk_singular_crossing)},
-                                    {&x->q, n_q},
-                                    {&x->v, n},
-                                    {&x->Q, PK_SINGULAR_CROSSING_STAGES * n_q},
-                                    {&x->V, PK_SINGULAR_CROSSING_STAGES * n},
-                                    {&x->A, PK_SINGULAR_CROSSING_STAGES * n},
-                                    {&x->q_here, n_q},
-                                    {&x->v_here, n},
-                                    {&x->a_here, n}};
+    /* clang-format off */
+    const struct pk_slot slots[] = {
+        {&is, PK_REALS_OF(struct pk_singular_crossing)}, {&x->q, n_q}, {&x->v, n},
+        {&x->Q, PK_SINGULAR_CROSSING_STAGES * n_q}, {&x->V, PK_SINGULAR_CROSSING_STAGES * n},
+        {&x->A, PK_SINGULAR_CROSSING_STAGES * n}, {&x->q_here, n_q}, {&x->v_here, n},
+        {&x->a_here, n}};
+    /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
     x->is = (struct pk_singular_crossing *)(void *)is;
     return size;
@@ -68,7 +65,7 @@ pk_real pk_singular_crossing_sigma(struct pk_integrator *it, pk_real t, const pk
                                    const pk_real *v)
 {
     struct pk_singular_crossing *is = pk_singular_crossing_of(it);
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct pk_projection w = pk_projection(it);
     pk_real found = 1;
     w.t = t;
     w.u = pk_eval_input(it, t);
@@ -92,8 +89,7 @@ int pk_constraint_singular(struct pk_integrator *it, pk_real t, const pk_real *q
     if (!it->own || !it->own->crossing || !(it->own->passing.near || it->own->passing.crossed))
         return 0;
     struct pk_singular_crossing *is = pk_singular_crossing_of(it);
-    const pk_real row = is->row;
-    const pk_real sigma = pk_singular_crossing_sigma(it, t, q, v);
+    const pk_real row = is->row, sigma = pk_singular_crossing_sigma(it, t, q, v);
     is->row = row;
     return sigma < PK_SINGULAR;
 }
@@ -120,7 +116,7 @@ static void look(struct pk_integrator *it)
 {
     const struct pk_singular_crossing_parts x = pk_singular_crossing_parts(it);
     struct pk_singular_crossing *is = x.is;
-    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    const int fixed = pk_is_fixed(it->method);
     const pk_real near = fixed ? 2 * PK_NEAR : PK_NEAR, was = is->sigma;
     is->falls = 0;
     is->sigma = pk_singular_crossing_sigma(it, it->t, it->q, it->v);
@@ -161,7 +157,7 @@ void pk_singular_crossing_note(struct pk_integrator *it)
 int pk_singular_crossing_due(struct pk_integrator *it, pk_real limit)
 {
     struct pk_singular_crossing *is = pk_singular_crossing_of(it);
-    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    const int fixed = pk_is_fixed(it->method);
     if (!(is->passing > 0)) {
         const pk_real left = is->at - it->t, h = fixed ? it->own->h : it->t - it->last_t;
         const int early = !fixed && is->sigma < EARLY;
@@ -181,7 +177,7 @@ int pk_singular_crossing_due(struct pk_integrator *it, pk_real limit)
 pk_real pk_singular_crossing_limit(const struct pk_integrator *it, pk_real limit)
 {
     const struct pk_singular_crossing *is = pk_singular_crossing_of(it);
-    if (!(is->falls > 0) || !(it->method->traits & PK_ADAPTIVE))
+    if (!(is->falls > 0) || pk_is_fixed(it->method))
         return limit;
     const pk_real half = (is->at - it->t) / 2;
     return half / (limit - it->t) > 0 && half / (limit - it->t) < 1 ? it->t + half : limit;
@@ -202,7 +198,7 @@ enum pk_status pk_singular_crossing_judge(struct pk_integrator *it)
     if (it->method->traits & PK_ADAPTIVE ||
         !(is->sigma < PK_FAR || it->own->passing.seen & PK_SEEN_DIPS))
         return PK_DONE;
-    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    const struct pk_projection w = pk_projection(it);
     const pk_real *q = it->own->next, *v = pk_next(it, PK_V);
     const pk_real h = it->own->next_t - it->t;
     pk_real off = 0, way = pk_max(PK_TINY, pk_project_rest(it, &w, q) * pk_abs(h));

@@ -15,8 +15,7 @@ enum { MOST = 1000 };
 #define CLOSE (64 * PK_EPS)
 #define STALLED (PK_C(1e6) * PK_EPS)
 
-/* Makes an iteration, by this part of the way. Returns the largest change, in the unit sqrt(M_kk);
- * NaN if rows are dependent. */
+/* Makes an iteration, by this part of the way. Returns the largest change by sqrt(M_kk), or NaN. */
 static pk_real iterate(struct pk_projection *w, pk_real *q, const pk_real *v, const pk_real *q0,
                        pk_real part, pk_real *largest)
 {
@@ -30,8 +29,7 @@ static pk_real iterate(struct pk_projection *w, pk_real *q, const pk_real *v, co
             w->phi[i] -= w->J[i * w->n + k] * (q[k] - q0[k]);
     pk_project_solve(w, w->h, w->phi);
     for (size_t k = 0; k < w->rotation; k++) {
-        const pk_real unit = PK_F(sqrt)(pk_project_mass(w, k));
-        const pk_real change = q0[k] - w->d[k] - q[k];
+        const pk_real unit = PK_F(sqrt)(pk_project_mass(w, k)), change = q0[k] - w->d[k] - q[k];
         most += unit * pk_abs(change); /* a sum hands NaN on */
         q[k] += part * change;
         *largest = pk_max(*largest, unit * pk_max(pk_abs(q[k]), pk_abs(q0[k])));

@@ -7,16 +7,14 @@
  * by Newton's method, in the metric of M: to first order the result is the nearest state that
  * satisfies the constraints, and the method keeps its order. A quaternion is rotated by the vector
  * of its three entries of M^-1 J^T mu. Rolling constrains rates only. Derivatives that a method
- * reuses from its last step are not recomputed: their error is like that of the step, and its
- * effect is smaller by h.
+ * reuses from its last step are not recomputed: their error is the step's, its effect smaller by h.
  *
  * A large first correction means that the step did not resolve phi(t), such as a steep ramp. If the
  * step can be retried, a correction of more than MOST_OFF error tolerances makes the step fail;
  * otherwise one that is longer than |h v| does.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, IV.4 (projection),
- * VII.1.3; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, VII.2.
- */
+ * VII.1.3; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, VII.2. */
 
 #include "../core/attitude.h"
 #include "../core/project.h"
@@ -29,7 +27,7 @@ enum { MOST = 20 };         /* limit of the number of corrections */
 
 int pk_project_dependent(struct pk_integrator *it)
 {
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct pk_projection w = pk_projection(it);
     if (!w.c)
         return 0;
     w.t = it->t;
@@ -101,8 +99,7 @@ static void turn_back(const struct pk_projection *w, pk_real *v, pk_real *low)
     }
 }
 
-/* Returns the largest component of the correction d, relative to MOST_OFF times the error tolerance
- * of the same component of y. */
+/* Returns the largest component of the correction d, by MOST_OFF tolerances of y. */
 static pk_real correction_in_tolerances(const struct pk_integrator *it, const pk_real *d,
                                         const pk_real *y, size_t first, size_t count)
 {
@@ -118,9 +115,8 @@ static int longer_than_step(const struct pk_integrator *it, const struct pk_proj
 {
     const pk_real h = it->own->next_t - it->t;
     const pk_real *ends[2] = {it->v, pk_next(it, PK_V)};
-    pk_real longest = PK_TINY, back = 0;
-    for (size_t i = 0; i < w->h; i++)
-        back += w->mu[i] * w->phi[i];
+    const pk_real back = pk_dot(w->mu, w->phi, w->h);
+    pk_real longest = PK_TINY;
     for (int end = 0; end < 2; end++) {
         pk_real way = 0;
         for (size_t j = 0; j < w->m; j++) {
@@ -199,7 +195,7 @@ static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w,
 enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v,
                           pk_real *low_q, pk_real *low_v, int *moved)
 {
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct pk_projection w = pk_projection(it);
     *moved = 0;
     for (size_t r = 0; r < pk_system_rotations(w.system, w.params); r++) {
         const struct pk_turning at = pk_system_turning(w.system, w.params, r);

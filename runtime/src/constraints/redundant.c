@@ -50,7 +50,7 @@ enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const p
     if (!it->own->project || !system->constraints.n_redundant)
         return PK_DONE;
     const size_t h = system->constraints.n_redundant_holonomic;
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct pk_projection w = pk_projection(it);
     system->constraints.redundant(w.params, t, q, v, pk_eval_input(it, t), w.off, w.off_size,
                                   w.off_rows);
     pk_project_slopes(&w, q, v, w.off_rows, w.r, w.off_slopes);

@@ -8,12 +8,11 @@
  * a Gauss step is made across the position, with stages that are not near the position. Each stage
  * is predicted by the smooth motion and projected onto the constraints before its acceleration is
  * computed. Projection must move the stages and the end of the step by less than the fraction SURE
- * of the distance covered, since other branches are farther away. The step needs no history, so it
- * serves all methods.
+ * of the distance covered, since other branches are farther away. It needs no history and serves
+ * all methods.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1.2
- * (collocation).
- */
+ * (collocation). */
 #include <string.h>
 
 #include <pk/constraint.h>
@@ -29,8 +28,7 @@ enum { FEWEST = 6, ROUNDS = 60 };
 #define SHORTER PK_C(0.8)
 #define ACCEPT PK_C(10.0) /* limit of the error in tolerances, as in the adaptive Gauss method */
 
-/* Computes w such that the sum of w_j times the value at stage j is the integral over the fraction
- * `to` of the step. */
+/* Computes w such that the sum of w_j times stage values is the integral over the fraction `to`. */
 static void weights(const struct pk_singular_crossing_parts *x, pk_real to, pk_real *w)
 {
     const int s = (int)pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);
@@ -82,7 +80,7 @@ static pk_real relative_distance(const struct pk_projection *w, const pk_real *a
 static enum pk_status put(struct pk_integrator *it, const struct pk_singular_crossing_parts *x,
                           pk_real t, pk_real *q, pk_real *v, pk_real *off)
 {
-    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    const struct pk_projection w = pk_projection(it);
     int moved;
     pk_copy(x->q_here, q, it->n_q);
     pk_copy(x->v_here, v, it->n);
@@ -128,7 +126,7 @@ static void choose(struct pk_singular_crossing_parts *x)
 static enum pk_status solve(struct pk_integrator *it, struct pk_singular_crossing_parts *x,
                             pk_real *off)
 {
-    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    const struct pk_projection w = pk_projection(it);
     const size_t n_q = it->n_q, n = it->n,
                  s = pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);
     pk_real before = PK_INFINITY;
@@ -159,8 +157,7 @@ static enum pk_status solve(struct pk_integrator *it, struct pk_singular_crossin
     return PK_NO_CONVERGENCE;
 }
 
-/* Returns the error of the final rates in tolerances, from the last Legendre coefficient of the
- * accelerations. */
+/* Returns the error of the final rates in tolerances, from the accelerations' last coefficient. */
 static pk_real error_of(const struct pk_integrator *it, const struct pk_singular_crossing_parts *x)
 {
     const int s = (int)pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);
@@ -187,7 +184,7 @@ static int too_long(const struct pk_integrator *it, const struct pk_singular_cro
 {
     const int shorter = pk_abs(x->is->h) < SHORTER * pk_abs(x->is->length);
     const pk_real before = shorter ? x->is->error : PK_INFINITY;
-    if (!(it->method->traits & PK_ADAPTIVE) || !(x->is->sigma > LAST))
+    if (pk_is_fixed(it->method) || !(x->is->sigma > LAST))
         return 0;
     x->is->error = sure ? error_of(it, x) : PK_INFINITY;
     x->is->tried = x->is->sigma;
@@ -197,37 +194,38 @@ static int too_long(const struct pk_integrator *it, const struct pk_singular_cro
 
 enum pk_status pk_singular_crossing_step(struct pk_integrator *it)
 {
+    struct pk_integrator_private *const own = it->own;
     struct pk_singular_crossing_parts x = pk_singular_crossing_parts(it);
     const size_t n = it->n;
-    const pk_real t = it->own->next_t, end = x.is->t + x.is->h;
+    const pk_real t = own->next_t, end = x.is->t + x.is->h;
     pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V), off = 0;
-    pk_zero(it->own->next, pk_state_offset(it->n_q, n, PK_PARTS));
+    pk_zero(own->next, pk_state_offset(it->n_q, n, PK_PARTS));
     if (!(x.is->passing > 0)) {
         /* without a step size, the projection of stages is not judged like that of a step */
-        it->own->next_t = it->t;
+        own->next_t = it->t;
         choose(&x);
         const enum pk_status status = solve(it, &x, &off);
         const int sure = status >= 0 && off < SURE;
-        it->own->next_t = t;
+        own->next_t = t;
         if (too_long(it, &x, sure))
             return PK_NO_CONVERGENCE;
         x.is->error = x.is->tried = x.is->length = 0;
         if (!sure)
             return pk_singular_crossing_fail(it, x.is->at);
     }
-    it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
+    own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
     along(it, &x, (t - x.is->t) / x.is->h, q, v);
     x.is->passing = pk_abs(end - t) > PK_C(1e-9) * pk_abs(x.is->h);
     if (!(x.is->passing > 0)) {
-        it->own->next_t = it->t;
+        own->next_t = it->t;
         const enum pk_status status = put(it, &x, t, q, v, &off);
-        it->own->next_t = t;
+        own->next_t = t;
         if (status < 0 || !(off < SURE))
             return pk_singular_crossing_fail(it, x.is->at);
         PK_TRY(pk_project_redundant(it, t, q, v, PK_NO_PROJECTION));
     }
-    it->own->passing.crossed = 1;
+    own->passing.crossed = 1;
     if (it->p)
-        pk_eval_canonical(it, t, q, v, pk_next(it, PK_P), it->own->project + n);
+        pk_eval_canonical(it, t, q, v, pk_next(it, PK_P), own->project + n);
     return PK_DONE;
 }

@@ -7,8 +7,7 @@ static void copy(const struct pk_ahead *a, pk_real *to, const pk_real *from, siz
         to[i] = from[i * a->lanes];
 }
 
-/* Takes all of the fixed steps that a lane made at once; they count as one last step that ends at
- * it->t. */
+/* Takes all of the fixed steps that a lane made at once; they count as one last step to it->t. */
 void pk_ahead_all(struct pk_integrator *it)
 {
     struct pk_ahead *a = it->own->ahead;

@@ -26,8 +26,7 @@ static inline void pk_cross(const pk_real *a, const pk_real *b, pk_real *out)
     out[1] = y;
 }
 
-/* Computes out = Q (s, u), the product of Q and the quaternion with scalar part s and vector part
- * u. */
+/* Computes out = Q (s, u), the product of Q and the quaternion of scalar s and vector u. */
 static inline void pk_quaternion_times(const pk_real *Q, pk_real s, const pk_real *u, pk_real *out)
 {
     const pk_real w = s * Q[0] - (Q[1] * u[0] + Q[2] * u[1] + Q[3] * u[2]);
@@ -49,8 +48,7 @@ static inline void pk_turn_added(pk_real s, const pk_real *u, const pk_real *p, 
         d[i] = 2 * (s * one[i] + two[i]);
 }
 
-/* Rotates p by the Cayley quaternion c (see above), out = cay(2 y) p; with sign = -1 by its
- * inverse. */
+/* Rotates p by the Cayley quaternion c (see above), out = cay(2 y) p; sign = -1: by its inverse. */
 static inline void pk_cayley_turn(const pk_real *y, int sign, const pk_real *p, pk_real *out)
 {
     const pk_real weight = 2 / (1 + pk_dot3(y, y));
@@ -62,12 +60,10 @@ static inline void pk_cayley_turn(const pk_real *y, int sign, const pk_real *p, 
 }
 
 /* Computes the increment of Q by exp(theta), theta a rotation vector. With a half the angle of
- * rotation, it needs sin(a)/a and cos(a) - 1; cos(a) - 1 is computed from sin(a/2), without
- * cancellation. */
+ * rotation, it needs sin(a)/a and cos(a) - 1; the latter from sin(a/2), without cancellation. */
 static inline void pk_exponential_added(const pk_real *Q, const pk_real *theta, pk_real *d)
 {
-    const pk_real angle = PK_F(sqrt)(pk_dot3(theta, theta)) / 2;
-    const pk_real quarter = PK_F(sin)(angle / 2);
+    const pk_real angle = PK_F(sqrt)(pk_dot3(theta, theta)) / 2, quarter = PK_F(sin)(angle / 2);
     const pk_real sinc = angle > 0 ? PK_F(sin)(angle) / angle : 1;
     const pk_real u[3] = {sinc * theta[0] / 2, sinc * theta[1] / 2, sinc * theta[2] / 2};
     pk_quaternion_times(Q, -2 * quarter * quarter, u, d);
@@ -101,8 +97,7 @@ static inline void pk_gather(pk_real *to, const pk_real *from, size_t count, siz
 
 /* Normalises Q if its norm differs from 1 by more than a few roundings, and then clears the
  * compensations `low` (NULL: none) of its sums. Entries are at distances `stride`. Returns 1 if Q
- * was scaled, 0 if not; -1, with Q unchanged, if the square of its norm underflows or is not
- * finite. */
+ * was scaled, 0 if not; -1, with Q unchanged, if its square underflows or is not finite. */
 static inline int pk_normalise(pk_real *Q, pk_real *low, size_t stride)
 {
     pk_real norm2 = 0;

@@ -15,8 +15,7 @@
 
 #include <pk/ldl.h>
 
-/* A pivot that is smaller than SMALL times the largest entry of its column would cost a quarter of
- * the digits. */
+/* A pivot below SMALL times the largest entry of its column would cost a quarter of the digits. */
 #define SMALL PK_F(sqrt)(PK_F(sqrt)(PK_EPS))
 
 static size_t stride(const struct pk_band *b)
@@ -38,14 +37,12 @@ static size_t last(const struct pk_band *b, size_t i) { return least(b->rows, i 
 size_t pk_band_lay_out(struct pk_band *b, pk_real *base)
 {
     const size_t n = b->rows, k = stride(b), more = b->pivoting ? 1 : 0;
-    const struct pk_slot slots[] = {{&b->entries, n * (b->below + 1 + b->above + more * b->below)},
-                                    {&b->right, n * k},
-                                    {&b->bottom, n * k},
-                                    {&b->corner, k * k},
-                                    {&b->pivot, more * (n + k)},
-                                    {&b->column, more * n},
-                                    {&b->rest, more * k},
-                                    {&b->used, more}};
+    /* clang-format off */
+    const struct pk_slot slots[] = {
+        {&b->entries, n * (b->below + 1 + b->above + more * b->below)}, {&b->right, n * k},
+        {&b->bottom, n * k}, {&b->corner, k * k}, {&b->pivot, more * (n + k)},
+        {&b->column, more * n}, {&b->rest, more * k}, {&b->used, more}};
+    /* clang-format on */
     return PK_LAY_OUT(base, slots);
 }
 
@@ -111,8 +108,7 @@ static void exchange(pk_real *x, pk_real *y, size_t count)
     }
 }
 
-/* Makes the pivot of column k as large as the largest entry of the column, by an additional
- * unknown. */
+/* Makes the pivot of column k as large as its largest entry, by an additional unknown. */
 static void mend(const struct pk_band *b, size_t k)
 {
     const size_t width = stride(b), z = pk_index(*b->used, width);
@@ -149,8 +145,7 @@ int pk_band_factor(const struct pk_band *b)
             mend(b, k);
             used++;
         }
-        const pk_real *U = row(b, k), d = U[k];
-        const pk_real *right = b->right + k * width;
+        const pk_real *U = row(b, k), d = U[k], *right = b->right + k * width;
         if (!(pk_abs(d) > 0) || !pk_finite(d))
             return 0;
         for (size_t i = k + 1; i < end; i++) {

@@ -1,13 +1,11 @@
 /* Linear systems in O(N): a band matrix with a border of dense rows and columns after the band.
- * Pivoting is partial, within the band. The band itself may be singular, as for a cyclic chain: see
- * band.c. */
+ * Pivoting is partial, within the band. The band itself may be singular: see band.c. */
 #ifndef PK_BAND_H
 #define PK_BAND_H
 
 #include "internal.h"
 
-/* The number of spare columns: the largest number of columns of the band whose pivot may be too
- * small. */
+/* The number of spare columns: the most columns of the band whose pivot may be too small. */
 enum { PK_BAND_SPARE = 4 };
 
 /* There are rows + border unknowns; row i of the band has columns i - below .. i + above. A dense
@@ -21,21 +19,18 @@ struct pk_band {
      * and columns of the border meet, row-major. */
     pk_real *entries, *right, *bottom, *corner;
     pk_real *pivot, *column, *rest; /* work memory, used only if `pivoting` */
-    /* one number, used only if `pivoting`: number of columns of the border and of spare columns
-     * in use */
+    /* one number, used only if `pivoting`: columns of the border and spare ones in use */
     pk_real *used;
 };
 
-/* Returns the number of entries of a matrix with this pattern, as kernels write it: without memory
- * for pivoting. */
+/* Returns the number of entries of a matrix with this pattern, as kernels write it. */
 static inline size_t pk_pattern_numbers(const struct pk_pattern *p)
 {
     return p->rows * (2 * p->width + 1) + (2 * p->rows + p->border) * p->border;
 }
 
 /* Divides the memory at `base` among the arrays of a matrix whose shape is set in `band`; entries,
- * right, bottom and corner come first. Returns the number of pk_real that are needed. If base is
- * NULL, it only counts. */
+ * right, bottom and corner come first. Returns the number of pk_real; base may be NULL. */
 size_t pk_band_lay_out(struct pk_band *band, pk_real *base);
 /* Sets all entries to 0; needed before entries are set, also after a factorisation. */
 void pk_band_clear(const struct pk_band *band);
@@ -44,8 +39,7 @@ pk_real *pk_band_entry(const struct pk_band *band, size_t i, size_t j);
 /* Compute y += A x and y += |A| x; A must not be factored. */
 void pk_band_add_product(const struct pk_band *band, const pk_real *x, pk_real *y);
 void pk_band_add_sizes(const struct pk_band *band, const pk_real *x, pk_real *y);
-/* Factors A in place, with pivoting. Returns 0 if A is singular. Backward errors are at most
- * PK_EPS^(3/4), mostly far less. */
+/* Factors A in place, with pivoting. Returns 0 if A is singular. Errors are below PK_EPS^(3/4). */
 int pk_band_factor(const struct pk_band *band);
 /* Computes x = A^-1 x with the factors of A. */
 void pk_band_solve(const struct pk_band *band, pk_real *x);

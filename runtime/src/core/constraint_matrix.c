@@ -8,6 +8,9 @@ enum { SWEEPS = 3 }; /* number of iterations of the scaling of rows and columns 
 /* an entry of a row that is smaller than this, relative to the largest one, may be an error */
 #define COUNTS PK_C(1e-3)
 
+/* The arguments of a kernel at q and v. */
+#define OF(w) (w)->params, (w)->t, q, v, (w)->u
+
 static inline pk_real *take(pk_real *base, size_t *used, size_t count)
 {
     pk_real *part = base ? base + *used : NULL;
@@ -82,13 +85,13 @@ int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real 
     /* M comes from the kernel `inertia`, or from `mass` if the system has no `inertia` */
     const struct pk_system *system = w->system;
     if (!w->whole) {
-        system->families.diagonal(w->params, w->t, q, v, w->u, w->M);
+        system->families.diagonal(OF(w), w->M);
         for (size_t k = 0; k < w->m; k++) /* checks that the diagonal is positive */
             if (!(w->M[k] > 0))
                 return PK_FAILED(PK_FAILURE_MASS, k);
         return 0;
     }
-    (system->inertia ? system->inertia : system->mass)(w->params, w->t, q, v, w->u, w->M);
+    (system->inertia ? system->inertia : system->mass)(OF(w), w->M);
     for (size_t i = 1; i < w->m; i++) /* removes the columns of variables that have no momenta */
         memmove(w->M + i * w->m, w->M + i * w->n, w->m * sizeof *w->M);
     const size_t pivot = pk_ldl_factor(w->M, w->m);
@@ -98,23 +101,23 @@ int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real 
 void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v)
 {
     if (w->whole)
-        w->system->constraints.jacobian(w->params, w->t, q, v, w->u, w->J, w->rate);
+        w->system->constraints.jacobian(OF(w), w->J, w->rate);
     else
-        w->system->constraints.rates(w->params, w->t, q, v, w->u, w->rate);
+        w->system->constraints.rates(OF(w), w->rate);
     if (w->h)
-        w->system->constraints.values(w->params, w->t, q, v, w->u, w->phi);
+        w->system->constraints.values(OF(w), w->phi);
 }
 
 void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *v)
 {
-    w->system->constraints.scale(w->params, w->t, q, v, w->u, w->phi_size, w->rate_size);
+    w->system->constraints.scale(OF(w), w->phi_size, w->rate_size);
 }
 
 void pk_project_spread(const struct pk_projection *w, const pk_real *q, const pk_real *v,
                        const pk_real *J, size_t rows, const pk_real *x, pk_real *out)
 {
     if (!w->whole)
-        w->system->constraints.spread(w->params, w->t, q, v, w->u, x, out);
+        w->system->constraints.spread(OF(w), x, out);
     for (size_t i = 0; i < rows && w->whole; i++) {
         out[i] = 0;
         for (size_t k = 0; k < w->m; k++)
@@ -127,10 +130,9 @@ void pk_project_pull(const struct pk_projection *w, const pk_real *q, const pk_r
 {
     pk_zero(out, w->m);
     if (!w->whole)
-        w->system->constraints.pull(w->params, w->t, q, v, w->u, x, out);
+        w->system->constraints.pull(OF(w), x, out);
     for (size_t i = 0; i < rows && w->whole; i++)
-        for (size_t k = 0; k < w->m; k++)
-            out[k] += J[i * w->n + k] * x[i];
+        pk_add(out, x[i], J + i * w->n, w->m);
 }
 
 void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real *v,
@@ -144,10 +146,7 @@ void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real 
 /* Returns the squared length of a row in the metric of M^-1. */
 static pk_real length2(const struct pk_projection *w, size_t row)
 {
-    pk_real sum = 0;
-    for (size_t k = 0; k < w->m; k++)
-        sum += w->J[row * w->n + k] * w->W[row * w->m + k];
-    return sum;
+    return pk_dot(w->J + row * w->n, w->W + row * w->m, w->m);
 }
 
 void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
@@ -155,9 +154,7 @@ void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
     pk_real *x = w->depends + 1;
     w->depends[0] = (pk_real)(row + 1);
     for (size_t i = 0; i < row; i++) {
-        x[i] = 0;
-        for (size_t k = 0; k < w->m; k++)
-            x[i] += w->J[row * w->n + k] * w->W[i * w->m + k];
+        x[i] = pk_dot(w->J + row * w->n, w->W + i * w->m, w->m);
         for (size_t k = 0; k < i; k++)
             x[i] -= w->A[i * c + k] * x[k];
     }
@@ -170,8 +167,7 @@ void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
         x[i] *= PK_F(sqrt)(length2(w, i) / (length2(w, row) + PK_TINY));
 }
 
-/* Records in w->depends that `row` depends on the other rows, with the coefficients of this linear
- * combination. Returns 1 + row. */
+/* Records in w->depends by which linear combination `row` depends on others. Returns 1 + row. */
 static size_t lost(struct pk_projection *w, size_t row)
 {
     w->system->constraints.shares(w->params, row, w->depends + 1);
@@ -185,8 +181,7 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q,
     const size_t m = w->m, c = rows;
     w->depends[0] = 0;
     if (!w->whole) {
-        const int failed = w->system->constraints.factor(w->params, w->t, q, v, w->u, rows < w->c,
-                                                         w->pivots, w->norms);
+        const int failed = w->system->constraints.factor(OF(w), rows < w->c, w->pivots, w->norms);
         w->inertia = PK_FAILURE(failed) == PK_FAILURE_MASS ? failed : 0;
         if (!failed || w->inertia)
             return failed ? 1 : 0;
@@ -197,12 +192,8 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q,
         pk_ldl_solve(w->M, m, w->W + i * m);
     }
     for (size_t i = 0; i < c; i++)
-        for (size_t j = 0; j <= i; j++) {
-            pk_real sum = 0;
-            for (size_t k = 0; k < m; k++)
-                sum += w->J[i * w->n + k] * w->W[j * m + k];
-            w->A[i * c + j] = w->A[j * c + i] = sum;
-        }
+        for (size_t j = 0; j <= i; j++)
+            w->A[i * c + j] = w->A[j * c + i] = pk_dot(w->J + i * w->n, w->W + j * m, m);
     const size_t failed = pk_ldl_factor(w->A, c);
     if (failed)
         pk_project_explain(w, c, failed - 1);
@@ -299,16 +290,14 @@ void pk_project_solve(struct pk_projection *w, size_t rows, const pk_real *r)
     }
     pk_copy(w->mu, r, rows);
     pk_ldl_solve(w->A, rows, w->mu);
-    for (size_t k = 0; k < w->m; k++) {
-        w->d[k] = 0;
-        for (size_t i = 0; i < rows; i++)
-            w->d[k] += w->W[i * w->m + k] * w->mu[i];
-    }
+    pk_zero(w->d, w->m);
+    for (size_t i = 0; i < rows; i++)
+        pk_add(w->d, w->mu[i], w->W + i * w->m, w->m);
 }
 
 enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v)
 {
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct pk_projection w = pk_projection(it);
     w.t = it->reason.time;
     w.u = it->own->u;
     if (!pk_project_inertia(&w, q, v)) {

@@ -16,8 +16,7 @@ struct pk_pairs {
 #ifdef PK_HAVE_FMA
 #define PK_PAIR_REST(a, b, p) PK_F(fma)(a, b, -(p))
 #else
-/* 2^k + 1, where k is half the number of bits of a pk_real, rounded up. It splits a number into two
- * halves. */
+/* 2^k + 1, where k is half the number of bits of a pk_real, rounded up, splits a number. */
 #if defined PK_FLOAT
 #define PK_PAIR_SPLIT PK_C(4097.0)
 #elif defined PK_FLOAT128 || (defined PK_LONG_DOUBLE && LDBL_MANT_DIG == 113)

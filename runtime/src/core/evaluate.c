@@ -173,16 +173,14 @@ enum pk_status pk_underflow(struct pk_integrator *it, pk_real h)
 {
     const pk_real near = 64 * PK_F(sqrt)(PK_EPS) * pk_abs(it->t);
     pk_real *q = pk_next(it, PK_Q), *a = pk_next(it, PK_A);
-    if (it->own->trouble.status == PK_DONE ||
-        !(pk_abs(it->own->trouble.reason.time - it->t) <= near)) {
-        it->own->trouble.reason.time = it->t + (pk_real)it->own->direction * near;
+    struct pk_trouble *of = &it->own->trouble;
+    if (of->status == PK_DONE || !(pk_abs(of->reason.time - it->t) <= near)) {
+        of->reason.time = it->t + pk_direction(it) * near;
         for (size_t i = 0; i < it->n_q; i++)
-            q[i] = it->q[i] + (pk_real)it->own->direction * near * it->v[i];
-        if (pk_eval_acceleration(it, it->own->trouble.reason.time, q, it->v, a) !=
-            PK_SINGULAR_MASS) {
+            q[i] = it->q[i] + pk_direction(it) * near * it->v[i];
+        if (pk_eval_acceleration(it, of->reason.time, q, it->v, a) != PK_SINGULAR_MASS)
             return pk_fail_with(it, PK_STEP_UNDERFLOW, PK_WHY(.value = h));
-        }
-        pk_trouble(it, PK_SINGULAR_MASS, it->own->trouble.reason.time);
+        pk_trouble(it, PK_SINGULAR_MASS, of->reason.time);
     }
-    return pk_fail_with(it, it->own->trouble.status, it->own->trouble.reason);
+    return pk_fail_with(it, of->status, of->reason);
 }

@@ -1,6 +1,5 @@
 /* Compiles the code of pk/step/ for any system, with the function pointers of struct pk_system and
- * n known at run time. pk/inlined.h compiles the same code for one system with its kernels
- * inlined. */
+ * n known at run time. pk/inlined.h does so for one system with its kernels inlined. */
 #ifndef PK_GENERIC_H
 #define PK_GENERIC_H
 

@@ -18,6 +18,28 @@ static inline void pk_copy(pk_real *to, const pk_real *from, size_t count)
 }
 static inline void pk_zero(pk_real *x, size_t count) { memset(x, 0, count * sizeof *x); }
 
+/* Returns the largest |x_i|. */
+static inline pk_real pk_largest(const pk_real *x, size_t count)
+{
+    pk_real most = 0;
+    for (size_t i = 0; i < count; i++)
+        most = pk_max(most, pk_abs(x[i]));
+    return most;
+}
+static inline pk_real pk_dot(const pk_real *x, const pk_real *y, size_t count)
+{
+    pk_real sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += x[i] * y[i];
+    return sum;
+}
+/* Adds a multiple of x to y. */
+static inline void pk_add(pk_real *y, pk_real factor, const pk_real *x, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        y[i] += factor * x[i];
+}
+
 /* The arguments of a kernel, for systems written in C in this library. */
 #define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
 #define UNUSED ((void)params, (void)t, (void)q, (void)v, (void)u)
@@ -54,8 +76,7 @@ enum {
     PK_REASON_NO_ROW, /* as PK_REASON_BRANCH, but the dependent row is not known */
     PK_REASON_NO_START
 };
-/* Kinds for PK_STEP_UNDERFLOW: the step size, or the time scale of adaptive_verlet, changes too
- * fast. */
+/* Kinds for PK_STEP_UNDERFLOW: what changes too fast. */
 enum { PK_REASON_LENGTH, PK_REASON_TIME_SCALE };
 /* Kinds for PK_SINGULAR_TIME: whether the acceleration grows towards the singularity. */
 enum { PK_REASON_GROWS, PK_REASON_BOUNDED };
@@ -77,27 +98,25 @@ static inline enum pk_status pk_fail_with(struct pk_integrator *it, enum pk_stat
     return status;
 }
 
-/* Exchanges it->own->state and it->own->next: the new state becomes current, and the old state
- * remains available in `next`. */
-static inline void pk_commit_step(struct pk_integrator *it)
+/* Points q, v and p at the current state. */
+static inline void pk_point(struct pk_integrator *it)
 {
-    pk_real *const left_behind = it->own->state;
-    it->own->state = it->own->next;
-    it->own->next = left_behind;
     it->q = pk_state(it, PK_Q);
     it->v = pk_state(it, PK_V);
     if (it->p)
         it->p = pk_state(it, PK_P);
 }
 
-/* Returns n_q. */
-static inline size_t pk_coordinates_of(const struct pk_problem *problem)
+/* Exchanges it->own->state and it->own->next: the new state becomes current; `next` is the old. */
+static inline void pk_commit_step(struct pk_integrator *it)
 {
-    return pk_system_coordinates(problem->system, problem->params);
+    pk_real *const left_behind = it->own->state;
+    it->own->state = it->own->next;
+    it->own->next = left_behind;
+    pk_point(it);
 }
 
-/* Returns whether a step can be repeated with a smaller it->own->h; GSL's methods keep their own
- * step size. */
+/* Returns whether a step can be repeated with a smaller it->own->h, unlike those of GSL. */
 static inline int pk_repeats(const struct pk_integrator *it)
 {
     return it->method->traits & PK_ADAPTIVE && !it->method->release;
@@ -122,8 +141,7 @@ size_t pk_lay_out(pk_real *base, const struct pk_slot *slots, size_t count);
  * members of type pk_real and int. */
 #define PK_REALS_OF(type) ((sizeof(type) + sizeof(pk_real) - 1) / sizeof(pk_real))
 
-/* pk_check_params() checks the parameters before the first step; `scratch` has pk_params_reals()
- * numbers. */
+/* pk_check_params() checks the parameters at a start; `scratch` has pk_params_reals() numbers. */
 size_t pk_params_reals(const struct pk_system *system);
 enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch);
 /* Returns the index that describes the failure `outside` of prepare(): the index of the refused
@@ -200,8 +218,7 @@ struct pk_knot {
     const pk_real *q, *v, *a;
 };
 /* Evaluates the cubic Hermite polynomial through q and v at the ends of a step of length h, and its
- * derivative, at x in 0 .. 1; for first-order variables the cubic through their values and
- * rates. */
+ * derivative, at x in 0 .. 1; for first-order variables that through values and rates. */
 void pk_hermite(const struct pk_integrator *it, pk_real h, struct pk_knot from, struct pk_knot to,
                 pk_real x, pk_real *q, pk_real *v);
 

@@ -20,6 +20,6 @@ void pk_keep(struct pk_keep *k, void *what, size_t size)
 void pk_keep_same(struct pk_keep *k, unsigned long long number)
 {
     unsigned long long found = number;
-    pk_keep(k, &found, sizeof found);
+    PK_KEEP(k, found);
     k->wrong |= found != number;
 }

@@ -1,7 +1,6 @@
 /* Small dense linear algebra: LU with partial pivoting for the matrices of Newton's method, and L D
  * L^T without pivoting for the mass matrix, whose pivots show whether it is positive definite.
- * Reference: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 3.4 and 4.1.
- */
+ * Reference: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 3.4 and 4.1. */
 #include "internal.h"
 
 void pk_add_product(pk_real *y, const pk_real *A, const pk_real *x, size_t n)

@@ -1,14 +1,12 @@
 /* Constraints of a state: their residuals, the projection onto them (project.c), the check of a
- * start and reasons of failures (constraint.c).
- */
+ * start and reasons of failures (constraint.c). */
 #ifndef PK_PROJECT_H
 #define PK_PROJECT_H
 
 #include "internal.h"
 
 /* Work memory for the constraints of one state. n: length of v; the first m entries of v, the rates
- * of coordinates and body rates, have momenta. c: number of constraint rows, of which the first h
- * are holonomic. */
+ * of coordinates and body rates, have momenta. c: number of rows, the first h holonomic. */
 struct pk_projection {
     const struct pk_system *system;
     const void *params;
@@ -17,8 +15,7 @@ struct pk_projection {
     size_t n, m, c, h, rotation; /* rotation: index in v of the first body rate, which is n_q */
     int whole;                   /* 1: M and J are stored; 0 in systems of variable size */
     pk_real *M;                  /* if `whole`: M, m by m, factored; else the diagonal of M */
-    /* J: the constraint matrix; W = M^-1 J^T, stored so that row i is M^-1 J_i; A = J M^-1 J^T,
-     * factored */
+    /* J: the constraint matrix; W = M^-1 J^T, whose row i is M^-1 J_i; A = J M^-1 J^T, factored */
     pk_real *J, *W, *A;
     pk_real *phi, *rate; /* residuals of phi (phi) and of J v + j0 (rate) */
     pk_real *phi_size;   /* sizes of the terms of phi */
@@ -37,8 +34,7 @@ struct pk_projection {
     pk_real *depends;
     size_t r; /* number of redundant rows */
     /* For the r redundant rows: off has 2 r residuals, off_size the 2 r sizes of their terms,
-     * off_rows their rows of J, and off_slopes the results of pk_project_slopes() for these
-     * rows. */
+     * off_rows their rows of J, and off_slopes their pk_project_slopes(). */
     pk_real *off, *off_size, *off_rows, *off_slopes;
 };
 
@@ -48,13 +44,15 @@ static inline int pk_rolls(const struct pk_system *system)
     return system->constraints.n > system->constraints.n_holonomic;
 }
 
-/* Returns the number of pk_real of work memory if v has length n; 0 if there are no constraints and
- * rotations. */
+/* Returns the number of pk_real of work memory; 0 without constraints and rotations. */
 size_t pk_project_size(const struct pk_problem *problem, size_t n);
-/* Returns the number of pk_real of the complete work memory, for any system, also without
- * constraints. */
+/* Returns the number of pk_real of the complete work memory, for any system. */
 size_t pk_project_room(const struct pk_problem *problem, size_t n);
 struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *room);
+static inline struct pk_projection pk_projection(const struct pk_integrator *it)
+{
+    return pk_project_parts(&it->problem, it->n, it->own->project);
+}
 /* pk_project_inertia() factors M at a state; returns 0 or the failure of M. pk_project_rows()
  * computes J and all residuals; pk_project_terms() computes the sizes of the terms of the
  * residuals, which determine how much the residuals are rounded. */
@@ -72,8 +70,7 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q,
  * has become shorter than it was earlier in the run. Sines do not depend on masses or units, except
  * in systems of variable size, where they are measured in the metric of M^-1. */
 void pk_project_rank(struct pk_projection *w);
-/* Computes d = M^-1 J^T mu and mu such that J d = r; J has only the rows that pk_project_factor()
- * factored. */
+/* Computes d = M^-1 J^T mu and mu such that J d = r; J has the rows that are factored. */
 void pk_project_solve(struct pk_projection *w, size_t rows, const pk_real *r);
 /* pk_project_mass() returns M_kk. pk_project_slopes() computes sum_k |J_ik| / sqrt(M_kk) for `rows`
  * rows of J, or for the system's rows if not `whole`; uses d as work. */
@@ -96,8 +93,7 @@ void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real 
 /* if all sines are larger, a fixed step cannot meet a singular position */
 #define PK_FAR PK_C(0.9)
 /* If a sine is below PK_SINGULAR, the rounding of positions changes rates by about PK_EPS / sine^2,
- * more than the error of a step. In such states rates are not projected, and J M^-1 J^T is not
- * used. */
+ * more than the error of a step. There rates are not projected, and J M^-1 J^T is not used. */
 #define PK_SINGULAR (10 * PK_F(sqrt)(PK_F(sqrt)(PK_EPS)))
 /* Bits of it->own->passing.seen, which describe the end of a step. PK_SEEN: sines were computed;
  * PK_SEEN_LOW: a sine is < 2 PK_NEAR; PK_SEEN_DIPS: a sine is < PK_FAR. passing.near is set if the
@@ -138,8 +134,7 @@ size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
  * may vanish where a run begins again at a switch. */
 pk_real pk_project_passed(const struct pk_integrator *it, const struct pk_projection *w);
 /* Returns the norm, in the metric of M, of rates so small that they move the state by no more than
- * its rounding in a step. If the constraints allow no motion at all, as in a rigid truss, rates are
- * at most that large. */
+ * its rounding in a step. If constraints allow no motion, as in a truss, rates are below that. */
 pk_real pk_project_rest(const struct pk_integrator *it, const struct pk_projection *w,
                         const pk_real *q);
 /* Checks whether redundant rows are satisfied: to the tolerance PK_WRITTEN at a start, to rounding
@@ -153,12 +148,11 @@ enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const p
 size_t pk_singular_crossing_size(const struct pk_system *system, size_t n_q, size_t n);
 void pk_singular_crossing_forget(struct pk_integrator *it);
 void pk_singular_crossing_note(struct pk_integrator *it);
-/* Fails if the fixed step in it->own->next may have passed a singular position and continued on a
- * wrong branch of the motion. */
+/* Fails if the fixed step in it->own->next may have left a singular position by a wrong branch. */
 enum pk_status pk_singular_crossing_judge(struct pk_integrator *it);
 /* Called if a step needed no correction, so that J M^-1 J^T was not factored and dependent rows
- * were not noticed. J and M are those of the current state. In every second call this function
- * factors J M^-1 J^T. */
+ * were not noticed. J and M are those of the current state. Every second call factors J M^-1
+ * J^T. */
 void pk_singular_crossing_unseen(struct pk_integrator *it, struct pk_projection *w,
                                  const pk_real *q, const pk_real *v);
 int pk_singular_crossing_due(struct pk_integrator *it, pk_real limit);

@@ -20,8 +20,7 @@ enum pk_status pk_root(pk_function f, void *context, pk_real *a, pk_real fa, pk_
     reach *= 2;
     while (*b - *a > width) {
         const pk_real half = (*b - *a) / 2, middle = *a + half;
-        const pk_real chord = *a - fa * (*b - *a) / (fb - fa);
-        const pk_real towards = middle < chord ? -1 : 1;
+        const pk_real chord = *a - fa * (*b - *a) / (fb - fa), towards = middle < chord ? -1 : 1;
         const pk_real cut = kappa * (*b - *a) * (*b - *a), most = reach - half;
         pk_real x = cut <= pk_abs(middle - chord) ? chord + towards * cut : middle;
         if (!(pk_abs(x - middle) <= most)) /* `chord` may be NaN if f is tiny at both ends */

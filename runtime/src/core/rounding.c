@@ -1,7 +1,7 @@
 /* Measures how much rounding of the state changes accelerations, and thus a step. Each number of a
  * state is changed by some units in its last place. This is repeated several times, since a single
- * change may leave some of many accelerations nearly unchanged. If terms cancel, their rounding is
- * taken relative to their size. */
+ * change may leave some accelerations nearly unchanged. If terms cancel, their rounding is taken
+ * relative to their size. */
 
 #include "band.h"
 #include "scale.h"
@@ -68,8 +68,7 @@ static void look_at_momenta(struct pk_integrator *it)
     const struct pk_system *system = it->problem.system;
     const size_t n = it->n, held = system->constraints.n;
     const pk_real share = held ? it->options.rtol : ROUNDING;
-    pk_real *M = part(it, PARTS), *by_p = part(it, BY_P);
-    pk_real *sum = part(it, BESIDE), *x = sum + n;
+    pk_real *M = part(it, PARTS), *by_p = part(it, BY_P), *sum = part(it, BESIDE), *x = sum + n;
     const struct pk_pattern pattern = pk_system_pattern(system, it->problem.params);
     if (it->method->traits & PK_JACOBIANS && !pattern.dense)
         momenta_of_band(it, pattern, M, by_p);
@@ -134,7 +133,7 @@ static void look_at_rows(struct pk_integrator *it)
     const struct pk_system *system = it->problem.system;
     if (!system->constraints.multipliers || !it->own->project)
         return;
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct pk_projection w = pk_projection(it);
     pk_real *noise = part(it, NOISE), *lambda = part(it, BESIDE);
     w.t = it->t;
     w.u = pk_eval_input(it, it->t);

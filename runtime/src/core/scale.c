@@ -6,8 +6,7 @@
  *
  * If a number is as small as its rounding error, its digits are noise, and step control must not
  * follow them. The effect of rounding of the state on accelerations is measured by changing each
- * number by some units in its last place (rounding.c); errors of that size, summed over the trial
- * step, are tolerated. */
+ * number by units in its last place (rounding.c); such errors in the trial step are tolerated. */
 #include <string.h>
 
 #include "band.h"
@@ -38,8 +37,7 @@ static size_t place(size_t i, size_t c, size_t moving, size_t one, size_t copies
 }
 
 /* Writes for each of `count` numbers the index of the first number of the same unit; `table` has
- * one entry for each declared name. The copies in variational equations are grouped separately
- * (pk_variation_place()). */
+ * one entry for each declared name. Copies in variational equations are apart. */
 static void group(const struct pk_integrator *it, const struct pk_quantity *table, size_t count,
                   size_t base, pk_real *to)
 {
@@ -177,9 +175,8 @@ static pk_real push(struct pk_integrator *it, pk_real t, pk_real d)
 {
     const size_t n = it->n;
     pk_real *moved = part(it, MOVED), *a = part(it, A), *other = part(it, NOISE);
-    pk_real most = 0, change = 1;
-    for (size_t i = 0; i < n; i++)
-        most = pk_max(most, pk_abs(a[i]));
+    const pk_real most = pk_largest(a, n);
+    pk_real change = 1;
     for (int count = 0; count < 500 && !(change <= most); count++, d /= 2) {
         for (size_t i = 0; i < it->n_q; i++)
             moved[i] = it->q[i] + a[i] * d * d / 2;
@@ -217,8 +214,7 @@ int pk_scale_raise(struct pk_integrator *it, pk_real h)
 }
 
 /* Returns whether the last measurement of rounding is outdated. Near a singular position its
- * tolerance, proportional to the step size, may have grown so much with the step size that it would
- * hide large errors. */
+ * tolerance, proportional to the step size, may have grown so much that it hides large errors. */
 static int outdated(const struct pk_integrator *it)
 {
     const pk_real h = pk_abs(it->own->h), *own = part(it, OWN), *noise = part(it, NOISE);

@@ -14,8 +14,7 @@
 #define ALIVE PK_C(36.0) /* exp(-36) = 2e-16 is round-off */
 /* if the clipped u varies by more than this in a step, the step is repeated as a shorter one */
 #define MOST PK_C(12.0)
-/* shift of sample times, since equidistant samples would miss changes of a u that is periodic in
- * the step */
+/* shift of sample times, since equidistant samples would miss a u that is periodic in the step */
 #define WARP PK_C(0.11)
 #define GROW PK_C(4.0)
 /* after a fixed step in which u changes less than this, SKIPPED steps are not checked */
@@ -68,8 +67,7 @@ void pk_hermite(const struct pk_integrator *it, pk_real h, struct pk_knot from, 
                 pk_real x, pk_real *q, pk_real *v)
 {
     const pk_real *q0 = from.q, *v0 = from.v, *q1 = to.q, *v1 = to.v;
-    const pk_real y = 1 - x;
-    const pk_real h01 = x * x * (3 - 2 * x), h10 = x * y * y * h, h11 = -x * x * y * h;
+    const pk_real y = 1 - x, h01 = x * x * (3 - 2 * x), h10 = x * y * y * h, h11 = -x * x * y * h;
     const pk_real slope = 6 * x * y / h, d10 = y * (1 - 3 * x), d11 = x * (3 * x - 2);
     const size_t n_q = it->n_q, n = it->n;
     for (size_t i = 0; i < n_q; i++) {
@@ -112,8 +110,7 @@ static pk_real at(const struct pk_integrator *it, size_t k, pk_real x)
 static pk_real alive(pk_real u) { return pk_max(-ALIVE, pk_min(u, ALIVE)); }
 
 /* Data of a time interval, from u at both ends and in the middle. varies: variation of the clipped
- * u; range: largest less smallest u; bend: second difference of u; dead: all of u is outside
- * +-ALIVE by a margin. */
+ * u; range: largest less smallest u; bend: second difference of u; dead: u is outside +-ALIVE. */
 struct window {
     pk_real varies, range, bend;
     int dead;
@@ -159,8 +156,7 @@ static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
         it->own->short_force.varied = pk_max(it->own->short_force.varied, total);
         u = end;
         from = to;
-        /* If an interval was halved, and both halves are done, the next interval is twice as
-         * wide. */
+        /* After both halves of an interval the next one is twice as wide. */
         if (width < PK_C(1.0) / FEW && !(PK_F(fmod)(from, 2 * width) > 0))
             width *= 2;
     }
@@ -169,39 +165,39 @@ static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
 
 pk_real pk_short_force_limit(const struct pk_integrator *it, pk_real limit)
 {
-    const int restrained = it->own->short_force.reach > 0 &&
-                           it->own->short_force.reach < pk_abs(limit - it->t);
-    return restrained ? it->t + (pk_real)it->own->direction * it->own->short_force.reach : limit;
+    const struct pk_short_force *of = &it->own->short_force;
+    const int restrained = of->reach > 0 && of->reach < pk_abs(limit - it->t);
+    return restrained ? it->t + pk_direction(it) * of->reach : limit;
 }
 
 int pk_short_force_reject(struct pk_integrator *it)
 {
+    struct pk_short_force *of = &it->own->short_force;
     if (!it->own->marks)
         return 0;
-    const int fixed = !(it->method->traits & PK_ADAPTIVE);
-    if (fixed && it->own->short_force.unlooked > 0)
+    const int fixed = pk_is_fixed(it->method);
+    if (fixed && of->unlooked > 0)
         return 0;
     const size_t m = it->problem.system->marks.n;
     const pk_real h = pk_abs(it->own->next_t - it->t);
     pk_real *begin = it->own->marks, *end = begin + m, *middle = end + m, first = 1, rise = 0;
     size_t which = 0;
-    if (!it->own->short_force.known)
+    if (!of->known)
         values(it, 0, begin);
-    it->own->short_force.known = 1;
+    of->known = 1;
     values(it, 1, end);
-    it->own->short_force.range = it->own->short_force.varied = 0;
+    of->range = of->varied = 0;
     for (size_t k = 0; k < m; k++)
-        it->own->short_force.range = pk_max(it->own->short_force.range, pk_abs(end[k] - begin[k]));
-    if (it->own->short_force.range <= MOST / 4 &&
-        h <= 3 * it->own->short_force.calm) /* usually true if there are no short forces */
+        of->range = pk_max(of->range, pk_abs(end[k] - begin[k]));
+    if (of->range <= MOST / 4 && h <= 3 * of->calm) /* usually true if there are no short forces */
         return 0;
     look_at_ends(it);
     values(it, warped(PK_C(0.5)), middle);
     for (size_t k = 0; k < m; k++) {
         const struct window w = window(begin[k], middle[k], end[k]);
-        it->own->short_force.range = pk_max(it->own->short_force.range, w.range);
+        of->range = pk_max(of->range, w.range);
         if (w.range <= MOST / 2) {
-            it->own->short_force.varied = pk_max(it->own->short_force.varied, w.varies);
+            of->varied = pk_max(of->varied, w.varies);
             continue;
         }
         pk_real active = 0;
@@ -212,45 +208,40 @@ int pk_short_force_reject(struct pk_integrator *it)
     if (!(first < 1))
         return 0;
     if (!fixed && first * h > 64 * PK_EPS * pk_abs(it->t)) {
-        it->own->short_force.reach = first * h;
-        it->own->short_force.rise = rise * h;
+        of->reach = first * h;
+        of->rise = rise * h;
         it->count.rejections++;
         return 1;
     }
-    it->own->short_force.varied = MOST;
+    of->varied = MOST;
     if (it->passed_over.count++ == 0) {
         it->passed_over.which = which;
-        it->passed_over.t = it->t + (pk_real)it->own->direction * first * h;
+        it->passed_over.t = it->t + pk_direction(it) * first * h;
     }
     return 0;
 }
 
 void pk_short_force_accept(struct pk_integrator *it)
 {
+    struct pk_short_force *of = &it->own->short_force;
     if (!it->own->marks)
         return;
     const size_t m = it->problem.system->marks.n;
     const pk_real h = pk_abs(it->own->next_t - it->t);
-    if (it->own->short_force.unlooked > 0) {
-        it->own->short_force.unlooked--;
-        it->own->short_force.known = 0;
+    if (of->unlooked > 0) {
+        of->unlooked--;
+        of->known = 0;
         return;
     }
-    it->own->short_force.unlooked =
-        it->own->short_force.range < SLOW && !(it->method->traits & PK_ADAPTIVE) ? SKIPPED : 0;
-    it->own->short_force.calm = it->own->short_force.range <= MOST / 4
-                                    ? h
-                                    : 0; /* a step of this length met no short force */
+    of->unlooked = of->range < SLOW && pk_is_fixed(it->method) ? SKIPPED : 0;
+    of->calm = of->range <= MOST / 4 ? h : 0; /* a step of this length met no short force */
     pk_copy(it->own->marks, it->own->marks + m, m);
-    if (!(it->own->short_force.reach > 0))
+    if (!(of->reach > 0))
         return;
-    if (h < it->own->short_force.reach * (1 - PK_C(1e-6)) || it->own->short_force.varied < MOST / 8)
+    if (h < of->reach * (1 - PK_C(1e-6)) || of->varied < MOST / 8)
         /* the error estimate keeps the step shorter, or u hardly changes: no limit is needed */
-        it->own->short_force.reach = 0;
+        of->reach = 0;
     else
-        it->own->short_force.reach =
-            it->own->short_force.rise > 0
-                ? it->own->short_force.rise
-                : h * pk_min(GROW, PK_C(0.9) * MOST / it->own->short_force.varied);
-    it->own->short_force.rise = 0;
+        of->reach = of->rise > 0 ? of->rise : h * pk_min(GROW, PK_C(0.9) * MOST / of->varied);
+    of->rise = 0;
 }

@@ -1,4 +1,4 @@
-/* Singularities: positions where the equations are undefined, monitored at each step; see struct
+/* Singularities, where the equations are undefined, looked for at each step; see struct
  * pk_singularity.
  *
  * An expression that changes sign in a step has a root in it. But an expression has the same sign
@@ -7,8 +7,7 @@
  * of the step predicts a root within it, or the change of the expression differs from both
  * tangents, the motion is recomputed by short steps (singularity_search.c). Adaptive steps are
  * treated likewise: at a tight tolerance their sizes decrease before a singularity until they
- * underflow, and the search finds the cause; at a loose tolerance they pass over it like fixed
- * steps.
+ * underflow, and the search finds the cause; at a loose one they pass over it like fixed steps.
  *
  * If there is a sign change, but the motion by short steps does not reach the root, the step is
  * inaccurate: PK_STEP_TOO_LONG. */
@@ -24,8 +23,8 @@
 enum {
     KNOWN = 1,
     QUIET = 2
-    /* flags. KNOWN: the slopes at the state are known; QUIET: the values changed little in the last
- * step */
+    /* flags. KNOWN: the slopes at the state are known; QUIET: values changed little in the last
+     * step */
 };
 
 size_t pk_singularity_size(size_t n_singularities, size_t n_q, size_t n)
@@ -103,8 +102,7 @@ static enum pk_status crossed(struct pk_integrator *it, size_t k, pk_real when)
         pk_singularity_search(it, it->t + 2 * h, PK_SINGULARITY_DEEP);
     if (s.found == PK_SINGULARITY_VANISHES)
         return ended(it, s.which, s.when, s.bounded);
-    const int least = pk_abs(h) <= 64 * PK_EPS * pk_abs(it->t); /* a step of this length cannot
-                                                                   be shortened */
+    const int least = pk_abs(h) <= 64 * PK_EPS * pk_abs(it->t); /* no shorter step */
     if (s.found == PK_SINGULARITY_UNDECIDED || least)
         return ended(it, k, when, s.bounded);
     return pk_fail_with(it, PK_STEP_TOO_LONG, PK_WHY(.index = k, .time = it->own->next_t));
@@ -153,34 +151,35 @@ static int calm(const struct pk_integrator *it)
 
 enum pk_status pk_singularity_step(struct pk_integrator *it)
 {
-    const size_t m = it->own->n_singularities;
-    if (!it->own->singularities)
+    struct pk_integrator_private *const own = it->own;
+    const size_t m = own->n_singularities;
+    if (!own->singularities)
         return PK_DONE;
     const pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V);
     const pk_real *g0 = pk_singularity_part(it, PK_SINGULARITY_NOW);
     pk_real *g1 = pk_singularity_part(it, PK_SINGULARITY_NEXT);
     int doubt = 0;
-    pk_singularity_evaluate(it, it->own->next_t, q, v, g1);
+    pk_singularity_evaluate(it, own->next_t, q, v, g1);
     const int quiet = calm(it) ? QUIET : 0;
-    if (quiet & it->own->slopes)
+    if (quiet & own->slopes)
         return go_on(it, QUIET);
-    if (!(it->own->slopes & KNOWN))
+    if (!(own->slopes & KNOWN))
         slopes(it, it->t, it->q, it->v, g0, pk_singularity_part(it, PK_SINGULARITY_SLOPE));
-    slopes(it, it->own->next_t, q, v, g1, pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE));
+    slopes(it, own->next_t, q, v, g1, pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE));
     for (size_t k = 0; k < m; k++) {
-        const pk_real secant = it->t + (it->own->next_t - it->t) * (g0[k] / (g0[k] - g1[k]));
+        const pk_real secant = it->t + (own->next_t - it->t) * (g0[k] / (g0[k] - g1[k]));
         if (sign(g0[k]) * sign(g1[k]) <= 0)
-            return crossed(it, k, pk_singularity_within(secant, it->own->next_t, it->t));
+            return crossed(it, k, pk_singularity_within(secant, own->next_t, it->t));
         doubt |= doubtful(it, k);
     }
     if (doubt) {
         const struct pk_singularity_search s =
-            pk_singularity_search(it, it->own->next_t, PK_SINGULARITY_DEEP);
+            pk_singularity_search(it, own->next_t, PK_SINGULARITY_DEEP);
         if (s.found == PK_SINGULARITY_VANISHES)
             return ended(it, s.which, s.when, s.bounded);
-        pk_singularity_evaluate(it, it->own->next_t, q, v, g1); /* since the search overwrote the
+        pk_singularity_evaluate(it, own->next_t, q, v, g1); /* since the search overwrote the
                                                                    values */
-        slopes(it, it->own->next_t, q, v, g1, pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE));
+        slopes(it, own->next_t, q, v, g1, pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE));
     }
     return go_on(it, KNOWN | quiet);
 }
@@ -194,7 +193,7 @@ enum pk_status pk_singularity_cause(struct pk_integrator *it, enum pk_status sta
         return status;
     if (!fixed) { /* the distance `ahead` is similar to that in pk_underflow() */
         depth = PK_SINGULARITY_SHALLOW;
-        ahead = (pk_real)it->own->direction *
+        ahead = pk_direction(it) *
                 (64 * PK_F(sqrt)(PK_EPS) * pk_abs(it->t) + 10 * pk_abs(it->own->h));
     }
     const struct pk_singularity_search s = pk_singularity_search(it, it->t + ahead, depth);

@@ -29,8 +29,7 @@ static inline pk_real *pk_singularity_part(const struct pk_integrator *it, int w
 
 void pk_singularity_evaluate(struct pk_integrator *it, pk_real t, const pk_real *q,
                              const pk_real *v, pk_real *out);
-/* Evaluates the singularities at time t + d, with the coordinates moved along the tangent of the
- * motion, to q + d v. */
+/* Evaluates the singularities at time t + d, with the coordinates moved to q + d v. */
 void pk_singularity_along(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                           pk_real d, pk_real *out);
 /* Returns t if it lies between first and last, else first, since a computed t may be round-off. */

@@ -68,8 +68,7 @@ static int short_step(struct pk_integrator *it, pk_real t, pk_real s)
     return pk_all_finite(trial, m);
 }
 
-/* Returns whether no singularity has changed much, from g to g1; updates the least and the largest
- * ratio g1/g. */
+/* Returns whether no singularity has changed much, from g to g1; updates the extreme g1/g. */
 static int near(size_t m, const pk_real *g, const pk_real *g1, pk_real *least, pk_real *most)
 {
     for (size_t k = 0; k < m; k++) {
@@ -109,13 +108,8 @@ static void note_growth(const struct pk_integrator *it, struct growth *growth, c
 {
     static const pk_real depth[2] = {PK_C(1e-2), PK_C(1e-4)};
     const pk_real *a = search_part(it, K) + it->n_q;
-    while (growth->levels < 2 &&
-           fallen(it, g, depth[growth->levels], 0) < it->own->n_singularities) {
-        pk_real most = 0;
-        for (size_t i = 0; i < it->n; i++)
-            most = pk_max(most, pk_abs(a[i]));
-        growth->a[growth->levels++] = most;
-    }
+    while (growth->levels < 2 && fallen(it, g, depth[growth->levels], 0) < it->own->n_singularities)
+        growth->a[growth->levels++] = pk_largest(a, it->n);
 }
 
 static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_end, pk_real depth)
@@ -137,8 +131,7 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
         pk_real least = 1, most = 1;
         if (last)
             s = whole - at;
-        /* the values are also checked at mid-step, since a step through a centre has similar
-         * values at both ends */
+        /* values are also checked at mid-step: through a centre both ends have like values */
         int good = 1;
         for (int half = 1; good && half <= 2; half++) {
             pk_singularity_along(it, it->t + at, y, y + n_q, s * (pk_real)half / 2, g1);
@@ -171,8 +164,7 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
         found.when = it->t + at + made / 16 * g[found.which] / (g[found.which] - g1[found.which]);
         found.when = pk_singularity_within(found.when, it->t + at, t_end);
         found.found = PK_SINGULARITY_VANISHES;
-        /* if the singularity came near zero (growth.levels = 2), round-off may have reflected the
-     * motion: undecided */
+        /* near zero (growth.levels = 2) round-off may have reflected the motion: undecided */
     } else if (arrived && growth.levels < 2) {
         found.found = PK_SINGULARITY_STAYS;
     }

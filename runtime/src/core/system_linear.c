@@ -1,12 +1,11 @@
-/* The linearised equations of motion; see pk/linear.h. M = L D L^T is factored once for all 2 n + 1
- * right-hand sides. */
+/* The linearised equations of motion; see pk/linear.h. M is factored once for all. */
 #include <pk/linear.h>
 
 #include "internal.h"
 
 size_t pk_system_linear_size(const struct pk_problem *problem)
 {
-    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t n = pk_count_of(problem);
     return n * n + n + problem->system->n_inputs;
 }
 

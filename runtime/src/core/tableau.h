@@ -19,7 +19,7 @@ struct pk_gauss {
 void pk_collocation(const struct pk_gauss *table, pk_real *c, pk_real *b, pk_real *mu);
 
 /* pk_legendre() computes the Legendre polynomials P_0 to P_count-1 at 2 x - 1, and, unless
- * `integral` is NULL, their integrals from 0 to x. The caller passes rest = 1 - x, computed without
+ * `integral` is NULL, their integrals from 0 to x. The caller passes rest = 1 - x, without
  * cancellation if possible. pk_gauss_nodes() computes the s <= 16 nodes and weights of Gauss
  * quadrature on [0, 1]. */
 void pk_legendre(pk_real x, pk_real rest, int count, pk_real *P, pk_real *integral);
@@ -31,14 +31,12 @@ void pk_gauss_make_matrices(struct pk_gauss_matrices *M);
 #define PK_DECLARE_TABLE(A, name, p, s, p_dense, flags, of, text) \
     extern const struct pk_gauss pk_##of##_table;
 PK_METHODS_COLLOCATION(PK_DECLARE_TABLE, )
-/* The largest number of coordinates for which a matrix exponential is computed; at this size that
- * takes seconds. */
+/* The largest number of coordinates for which a matrix exponential is computed, in seconds. */
 enum { PK_EXPONENTIAL_MOST = 256 };
 
 /* Returns the kicks and drifts of a splitting method; NULL for other methods. */
 const struct pk_splitting *pk_splitting_table(const struct pk_method *method);
-/* Returns whether a step ends with a kick. If so, the next step reuses the acceleration of that
- * kick. */
+/* Returns whether a step ends with a kick, whose acceleration the next step reuses. */
 static inline int pk_splitting_ends(const struct pk_splitting *table)
 {
     const pk_real last = table->kick[table->stages];
@@ -54,8 +52,7 @@ enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_spl
  * also returns NULL for adaptive methods. */
 const struct pk_tableau *pk_explicit_table(const struct pk_method *method);
 const struct pk_tableau *pk_erk_table(const struct pk_method *method);
-/* Returns the acceleration at the start or end of an adaptive explicit method's last step, or
- * NULL. */
+/* Returns the acceleration at an end of an adaptive explicit method's last step, or NULL. */
 const pk_real *pk_embedded_acceleration(struct pk_integrator *it, int end);
 
 /* Computes the s + 1 coefficients c_k of the stability function R(z) = sum c_k z^k: a step of size

@@ -1,6 +1,5 @@
 /* Limits of the step size on linear equations: the least step size at which a step makes solutions
- * grow. It is searched for on a grid, which is refined at maxima of growth, and then bisected. See
- * pk/limits.h. */
+ * grow. It is sought on a grid, refined at maxima of growth, and bisected. See pk/limits.h. */
 #include <pk/limits.h>
 
 #include "../core/internal.h"
@@ -85,8 +84,7 @@ static pk_real crest(struct question *ask, pk_real a, pk_real b)
     return fc > fd ? c : d;
 }
 
-/* Bisects between `in` and `out` for the point where growth begins or, if `ends` is set, the point
- * where growth ends. */
+/* Bisects between `in` and `out` for the point where growth begins or, if `ends` is set, ends. */
 static pk_real edge(struct question *ask, pk_real in, pk_real out, int ends)
 {
     for (int i = 0; i < 200 && out - in > 2 * PK_EPS * out; i++) {

@@ -1,6 +1,6 @@
 /* Makes steps of several integrators in advance, in SIMD lanes; see pk/adaptive_lanes.h. A lane
- * keeps its integrator's state as long as the integrator uses the steps made for it; otherwise the
- * state is loaded again. */
+ * keeps its integrator's state as long as it uses the steps made for it; otherwise the state is
+ * loaded again. */
 #include <string.h>
 
 #include "../core/generic.h"
@@ -72,7 +72,7 @@ static int plan(const struct pk_lanes *a, struct pk_integrator *it, pk_real limi
     const int direction = (limit > it->t) - (limit < it->t);
     if (!pk_ready(it) || !direction || direction != it->own->direction || it->own->passing.near)
         return 0;
-    if (!(a->method->traits & PK_ADAPTIVE)) {
+    if (pk_is_fixed(a->method)) {
         *x = pk_step_planned(it, limit);
         return !splitting || !pk_splitting_ends(splitting) || it->own->flags & PK_HAVE_A;
     }
@@ -219,8 +219,8 @@ static int is_free(const struct pk_lanes *a, const struct pk_lane *lane)
 {
     const struct pk_integrator *it = lane->it;
     const struct pk_integrator_private *own = it->own;
-    return !(a->method->traits & PK_ADAPTIVE) && !own->singularities && !own->marks &&
-           !own->project && !own->crossing && (pk_real)own->direction * (lane->free - it->t) > 0 &&
+    return pk_is_fixed(a->method) && !own->singularities && !own->marks && !own->project &&
+           !own->crossing && (pk_real)own->direction * (lane->free - it->t) > 0 &&
            it->options.h > 10 * PK_EPS * pk_abs(lane->free);
 }
 

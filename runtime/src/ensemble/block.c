@@ -1,12 +1,10 @@
-/* Integrates a block of members that make the same fixed steps at the same times, from one output
- * row to the next. */
+/* Integrates a block of members that make the same fixed steps, from one row to the next. */
 #include <string.h>
 
 #include "../core/attitude.h"
 #include "ensemble.h"
 
-/* Ends the members in lanes `bits` with `status`. From then on these lanes repeat the numbers of
- * another lane. */
+/* Ends the members in lanes `bits` with `status`. These lanes then repeat another lane. */
 static void retire(struct pk_block *b, const struct pk_ensemble *e, size_t first,
                    unsigned long long bits, enum pk_status status, unsigned long long *live)
 {

@@ -15,11 +15,10 @@ static const struct pk_block_stepper *stepper(const struct pk_ensemble *e)
 
 int pk_ensemble_fixed(const struct pk_ensemble *e)
 {
-    return !(e->method->traits & PK_ADAPTIVE) || stepper(e) != NULL;
+    return pk_is_fixed(e->method) || stepper(e) != NULL;
 }
 
-/* Returns the bytes for the lanes if each member has its own steps, or 0 if there are no such
- * lanes. */
+/* Returns the bytes for the lanes if each member has its own steps, or 0 without lanes. */
 static size_t lanes_size(const struct pk_ensemble *e)
 {
     const struct pk_problem problem = pk_ensemble_problem(e, 0);
@@ -117,7 +116,7 @@ static int step(struct way *w)
 {
     const struct pk_ensemble *e = w->e;
     struct pk_integrator *it = &w->m->it;
-    const int fused = e->system->families.advance && !(e->method->traits & PK_ADAPTIVE);
+    const int fused = e->system->families.advance && pk_is_fixed(e->method);
     const pk_real whole = fused ? pk_abs(e->t[w->row] - it->t) / it->options.h : 0;
     const pk_real most = PK_C(1e9);
     if (whole >= 2)

@@ -25,8 +25,7 @@ static inline struct pk_member *pk_member_at(const struct pk_ensemble *e, void *
 }
 /* Returns the number of struct pk_member in memory if W lanes share their steps. */
 size_t pk_member_count(const struct pk_ensemble *e, size_t W);
-/* Initialises the integrator of a member; pk_member_begin() also resets its count of rows and its
- * last time. */
+/* Initialises the integrator of a member; pk_member_begin() also resets its rows and last time. */
 enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member,
                                     struct pk_member *m);
 enum pk_status pk_member_begin(const struct pk_ensemble *e, size_t member, struct pk_member *m);

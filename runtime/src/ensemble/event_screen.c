@@ -1,6 +1,5 @@
 /* Finds steps in lanes that certainly cross no event and no switch; see event_screen.h. It uses the
- * first test of events_look.c: the polynomial through samples of a function on the quintic Hermite
- * interpolant. */
+ * first test of events_look.c: the polynomial through samples of the quintic interpolant. */
 
 #include "../events/events.h"
 #include "event_screen.h"
@@ -64,8 +63,7 @@ static void between(const struct pk_screen *s, const struct pk_block *b, pk_real
     }
 }
 
-/* Computes the quartic terms of first-order variables, from their rates at a quarter of the step;
- * see events_look.c. */
+/* Computes the quartic terms of first-order variables by rates at a quarter; see events_look.c. */
 static void states_bend(const struct pk_screen *s, struct pk_block *b, pk_bits *bad)
 {
     const size_t W = b->lanes, first = b->n_q * W, end = (b->n_q + b->n) * W;
@@ -103,8 +101,7 @@ static void bend(const struct pk_screen *s, struct pk_block *b, pk_bits *bad)
 }
 
 /* Sets `bad` if the function with these samples, `stride` apart, may be zero: if |c_0| of the
- * polynomial sum c_i cos(i angle) does not exceed the other terms. Even and odd terms are summed
- * separately. */
+ * polynomial sum c_i cos(i angle) does not exceed the other terms. Even and odd terms are apart. */
 static void judge(const pk_real *g, size_t stride, pk_real far, pk_bits *PK_RESTRICT bad)
 {
     enum { HALF = N / 2 };

@@ -1,6 +1,5 @@
 /* Members in SIMD lanes, see lanes.h. The steps of pk/step/ensemble.h are instantiated here for two
- * cases: systems whose lane kernels are called by function pointers, and systems with kernels for
- * one state. */
+ * cases: systems with lane kernels, by pointers, and with kernels for one state. */
 #include <string.h>
 
 #include "lanes.h"
@@ -83,8 +82,7 @@ static const struct pk_block_stepper *find(const struct pk_block_stepper *list, 
     return NULL;
 }
 
-/* Systems with families have no blocks: their kernels loop over members of families, not over
- * lanes. */
+/* Systems with families have no blocks: their kernels loop over members, not over lanes. */
 const struct pk_block_stepper *pk_block_stepper_of(const struct pk_system *system,
                                                    const struct pk_method *method)
 {
@@ -105,7 +103,7 @@ size_t pk_block_lay_out(struct pk_block *b, const struct pk_problem *problem,
                         const struct pk_method *method, int spares, pk_real *base)
 {
     const struct pk_system *system = problem->system;
-    const size_t n_q = pk_coordinates_of(problem), n = pk_system_count(system, problem->params);
+    const size_t n_q = pk_coordinates_of(problem), n = pk_count_of(problem);
     const size_t W = pk_block_stepper_of(system, method)->lanes, u = system->n_inputs;
     const size_t parts = pk_state_offset(n_q, n, PK_PARTS) * W;
     b->system = system;

@@ -21,8 +21,7 @@ size_t pk_block_lay_out(struct pk_block *b, const struct pk_problem *problem,
 /* Copies an integrator's state, params and inputs to lane l. */
 void pk_block_load(struct pk_block *b, const struct pk_integrator *it, const void *params,
                    size_t l);
-/* Copies all numbers of a lane to another lane, whose own numbers are missing or would fail
- * again. */
+/* Copies all numbers of a lane to another, whose own are missing or would fail again. */
 void pk_block_copy_lane(struct pk_block *b, size_t from, size_t to);
 
 /* Returns the index of the lowest bit that is set; `bits` is not 0. */

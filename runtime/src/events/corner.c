@@ -13,8 +13,7 @@
  * which j0 of a rolling row jumps, since its force acts along its row alone.
  *
  * References: I. M. Gelfand, S. V. Fomin, Calculus of Variations, section 15; B. Brogliato,
- * Nonsmooth Mechanics, 3rd ed., chapters 1 and 3.
- */
+ * Nonsmooth Mechanics, 3rd ed., chapters 1 and 3. */
 
 #include <pk/constraint.h>
 
@@ -70,8 +69,7 @@ void pk_corner_rows(struct corner *x, const pk_real *v)
 }
 
 /* Replaces the force d by the change of rates M^-1 (d + J^T mu) that it causes; mu is such that J
- * times this change is -rate. M and J are taken at the rates v. Returns -1 if M or J M^-1 J^T is
- * singular. */
+ * times this change is -rate. M and J are taken at the rates v. Returns -1 if one is singular. */
 static int solve(struct corner *x, const pk_real *v, pk_real *d, const pk_real *rate, pk_real *mu)
 {
     struct pk_projection *w = &x->w;
@@ -79,11 +77,10 @@ static int solve(struct corner *x, const pk_real *v, pk_real *d, const pk_real *
         return -1;
     pk_ldl_solve(w->M, w->m, d);
     for (size_t j = 0; j < w->c; j++)
-        mu[j] = -(rate ? rate[j] : 0) - pk_corner_dot(w->J + j * w->n, d, w->m);
+        mu[j] = -(rate ? rate[j] : 0) - pk_dot(w->J + j * w->n, d, w->m);
     pk_ldl_solve(w->A, w->c, mu);
     for (size_t j = 0; j < w->c; j++)
-        for (size_t i = 0; i < w->m; i++)
-            d[i] += w->W[j * w->m + i] * mu[j];
+        pk_add(d, mu[j], w->W + j * w->m, w->m);
     return 0;
 }
 
@@ -94,33 +91,25 @@ static int rates(struct corner *x, pk_real alpha)
     struct pk_projection *w = &x->w;
     pk_real before = 0, part = 1, *d = x->along;
     for (int count = 0; count < MOST; count++) {
-        pk_real change = 0, size = 0;
         pk_corner_momenta(x, x->v);
         /* the correction d has left the domain of L: undoes part of it */
         if (count && !pk_all_finite(x->p, w->m)) {
             part /= 2;
-            for (size_t i = 0; i < w->m; i++)
-                x->v[i] -= part * d[i];
-            for (size_t j = 0; j < w->c; j++)
-                x->lambda[j] -= part * x->by[j];
+            pk_add(x->v, -part, d, w->m);
+            pk_add(x->lambda, -part, x->by, w->c);
             continue;
         }
         part = 1;
         pk_corner_rows(x, x->v);
-        for (size_t i = 0; i < w->m; i++) {
+        for (size_t i = 0; i < w->m; i++)
             d[i] = x->p0[i] - x->p[i] + alpha * x->slope[i];
-            for (size_t j = 0; j < w->c; j++)
-                d[i] += w->J[j * w->n + i] * x->lambda[j];
-        }
+        for (size_t j = 0; j < w->c; j++)
+            pk_add(d, x->lambda[j], w->J + j * w->n, w->m);
         if (solve(x, x->v, d, w->rate, x->by) < 0)
             return -1;
-        for (size_t j = 0; j < w->c; j++)
-            x->lambda[j] += x->by[j];
-        for (size_t i = 0; i < w->m; i++) {
-            x->v[i] += d[i];
-            change = pk_max(change, pk_abs(d[i]));
-            size = pk_max(size, pk_abs(x->v[i]));
-        }
+        pk_add(x->lambda, 1, x->by, w->c);
+        pk_add(x->v, 1, d, w->m);
+        const pk_real change = pk_largest(d, w->m), size = pk_largest(x->v, w->m);
         if (!pk_all_finite(x->v, w->m))
             return -1;
         if (change <= PK_EPS * size ||
@@ -139,13 +128,13 @@ static pk_real excess(const struct corner *x, pk_real alpha)
     const struct pk_projection *w = &x->w;
     pk_real sum = pk_corner_energy(x, x->v) - x->h0 + alpha * x->slope_t;
     for (size_t j = 0; j < w->c; j++)
-        sum += x->lambda[j] * (w->rate[j] - pk_corner_dot(w->J + j * w->n, x->v, w->m));
+        sum += x->lambda[j] * (w->rate[j] - pk_dot(w->J + j * w->n, x->v, w->m));
     return sum;
 }
 
 pk_real pk_corner_speed(const struct corner *x)
 {
-    return pk_corner_dot(x->slope, x->v, x->w.m) + x->slope_t;
+    return pk_dot(x->slope, x->v, x->w.m) + x->slope_t;
 }
 
 int pk_corner_leave(struct corner *x, pk_real direction, int free)
@@ -158,14 +147,14 @@ int pk_corner_leave(struct corner *x, pk_real direction, int free)
     for (int count = 0; count < MOST; count++) {
         if (rates(x, alpha) < 0)
             return -1;
-        const pk_real s = pk_corner_speed(x), bend = pk_corner_dot(x->slope, x->along, w->m);
+        const pk_real s = pk_corner_speed(x), bend = pk_dot(x->slope, x->along, w->m);
         if (!free)
             return 1;
         if (count == 0) { /* tests whether s_q is outside the span of the rows */
             pk_copy(w->d, x->slope, w->m);
             pk_ldl_solve(w->M, w->m, w->d);
             first = pk_abs(s);
-            if (!(bend > PK_CORNER_ALONG * pk_corner_dot(x->slope, w->d, w->m)))
+            if (!(bend > PK_CORNER_ALONG * pk_dot(x->slope, w->d, w->m)))
                 return 1;
         }
         const pk_real E = excess(x, alpha), root = s * s - 2 * bend * E;

@@ -31,12 +31,4 @@ pk_real pk_corner_speed(const struct corner *x);
  * `direction`; see corner.c. Returns 1 on success, 0 if there is no root, -1 on failure. */
 int pk_corner_leave(struct corner *x, pk_real direction, int free);
 
-static inline pk_real pk_corner_dot(const pk_real *a, const pk_real *b, size_t count)
-{
-    pk_real sum = 0;
-    for (size_t i = 0; i < count; i++)
-        sum += a[i] * b[i];
-    return sum;
-}
-
 #endif

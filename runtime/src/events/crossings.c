@@ -127,6 +127,12 @@ static int may_cross(const pk_real *x, const pk_real *g)
            sign * g[1] <= sign * (g[0] - g[1]) * (r / l);
 }
 
+/* Returns whether a point is between x[0] and x[2], and not x[1]. */
+static int is_between(const pk_real *x, pk_real at)
+{
+    return at > x[0] && at < x[2] && (at < x[1] || at > x[1]);
+}
+
 /* Searches for the minimum of |g| near `at` until some value of g has the opposite sign. Uses
  * parabolas and, since the minimum may be a kink, golden sections of the longer interval. */
 static enum pk_status descend(struct along *a, pk_real left, pk_real at, pk_real right)
@@ -142,9 +148,9 @@ static enum pk_status descend(struct along *a, pk_real left, pk_real at, pk_real
     for (int l = 0; l < REFINEMENTS && !opposite(g[0], g[1]) && may_cross(x, g); l++) {
         const pk_real longer = x[2] - x[1] > x[1] - x[0] ? x[2] : x[0];
         pk_real next = l % 3 < 2 ? vertex(x, g) : x[1] + (longer - x[1]) * PK_C(0.382), y;
-        if (!(next > x[0] && next < x[2]) || !(next < x[1] || next > x[1]))
+        if (!is_between(x, next))
             next = x[1] + (longer - x[1]) * PK_C(0.382);
-        if (!(next > x[0] && next < x[2]) || !(next < x[1] || next > x[1]))
+        if (!is_between(x, next))
             break;
         PK_TRY(truth(a, next, &y));
         const int outer = next < x[1] ? 2 : 0; /* the new point replaces this end */

@@ -6,8 +6,7 @@
  * the start of the step. A crossing lies between two such states with opposite signs of g.
  *
  * Reference: L. F. Shampine, S. Thompson, Event location for ordinary differential equations,
- * Comput. Math. Appl. 39 (2000) 43.
- */
+ * Comput. Math. Appl. 39 (2000) 43. */
 #include <string.h>
 
 #include <pk/keep.h>
@@ -23,8 +22,8 @@ enum { ROUNDINGS = 16 }; /* limit, in units in the last place, of a value that c
 static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_real *base)
 {
     const struct pk_system *system = problem->system;
-    const size_t n_q = pk_system_coordinates(system, problem->params);
-    const size_t n = pk_system_count(system, problem->params),
+    const size_t n_q = pk_coordinates_of(problem);
+    const size_t n = pk_count_of(problem),
                  switches = pk_system_switch_count(system, problem->params),
                  m = system->events.n + switches;
     const size_t list = PK_MOST_NODES * system->events.n + PK_MOST_TOGETHER * switches;
@@ -110,14 +109,14 @@ enum pk_status pk_events_keep(struct pk_events *e, struct pk_keep *k)
     pk_keep_same(k, e->n_switches);
     pk_keep(k, e->shapes, lay_out(&shape, problem, NULL) - params - apart);
     pk_keep(k, e->sides, e->n_switches * sizeof *e->sides);
-    pk_keep(k, &e->doubts, sizeof e->doubts);
-    pk_keep(k, &e->count, sizeof e->count);
-    pk_keep(k, &e->switchings, sizeof e->switchings);
-    pk_keep(k, &e->tries, sizeof e->tries);
+    PK_KEEP(k, e->doubts);
+    PK_KEEP(k, e->count);
+    PK_KEEP(k, e->switchings);
+    PK_KEEP(k, e->tries);
     int *const flags[] = {&e->by_steps, &e->at_switch, &e->begun, &e->kept, &e->brief, &e->again};
     for (size_t i = 0; i < sizeof flags / sizeof *flags; i++)
-        pk_keep(k, flags[i], sizeof *flags[i]);
-    pk_keep(k, &e->left, sizeof e->left);
+        PK_KEEP(k, *flags[i]);
+    PK_KEEP(k, e->left);
     return pk_integrator_keep(&e->scout, k);
 }
 
@@ -137,14 +136,6 @@ static enum pk_status at_end(const struct pk_events *e, struct pk_integrator *it
     return PK_DONE;
 }
 
-static pk_real largest(const pk_real *x, size_t n)
-{
-    pk_real most = 0;
-    for (size_t i = 0; i < n; i++)
-        most = pk_max(most, pk_abs(x[i]));
-    return most;
-}
-
 /* Returns by how much the function of limit k changes from the position q0 - d to q0 + d, or 0 if
  * the change is rounding. The function of a limit is linear in q. */
 static pk_real gain(struct pk_events *e, const struct pk_integrator *it, size_t k, const pk_real *d)
@@ -156,7 +147,8 @@ static pk_real gain(struct pk_events *e, const struct pk_integrator *it, size_t 
         pk_events_functions(e, it, it->t, e->trial, e->v0, g);
         ends[end] = g[k];
     }
-    const pk_real rounding = ROUNDINGS * PK_EPS * (largest(e->q0, e->n_q) + largest(d, e->n_q));
+    const pk_real rounding = ROUNDINGS * PK_EPS *
+                             (pk_largest(e->q0, e->n_q) + pk_largest(d, e->n_q));
     return pk_abs(ends[1] - ends[0]) > rounding ? ends[1] - ends[0] : 0;
 }
 
@@ -179,7 +171,7 @@ static int stop_beyond_limit(struct pk_events *e, struct pk_integrator *it, int 
 {
     const struct pk_event *table = it->problem.system->events.table;
     pk_real *g = pk_events_end(e, 0);
-    const pk_real rounding = ROUNDINGS * PK_EPS * largest(e->q0, e->n_q) + PK_TINY;
+    const pk_real rounding = ROUNDINGS * PK_EPS * pk_largest(e->q0, e->n_q) + PK_TINY;
     size_t first = e->n_events;
     for (size_t k = e->n_events; k-- > 0 && !e->begun;) {
         const pk_real outwards = (pk_real)table[k].direction;
@@ -233,14 +225,14 @@ static int outgrown(struct pk_events *e, const struct pk_integrator *it, int cou
     const pk_real *begin = pk_events_end(e, 0), *end = pk_events_end(e, 1);
     const pk_real h = pk_abs(it->t - e->from);
     int found = 0, at_rest = -1;
-    if (!(it->method->traits & PK_ADAPTIVE) || h <= GROWTH * (it->own->progress.passed - h))
+    if (pk_is_fixed(it->method) || h <= GROWTH * (it->own->progress.passed - h))
         return 0;
     /* After a switch, the value of its function is only the rounding error of 0. */
     if (e->at_switch || h <= 64 * PK_EPS * pk_abs(e->from))
         return 0;
     for (size_t k = 0; k < pk_events_count(e) && !found; k++) {
         if (!(pk_abs(begin[k]) > PK_TINY) && at_rest < 0)
-            at_rest = !(largest(e->q0, e->n_q) > 0) && !(largest(e->v0, e->n) > 0);
+            at_rest = !(pk_largest(e->q0, e->n_q) > 0) && !(pk_largest(e->v0, e->n) > 0);
         found = !(pk_abs(end[k]) <= GROWTH * pk_abs(begin[k])) &&
                 (pk_abs(begin[k]) > PK_TINY ? pk_abs(begin[k]) > rounding(e, it, k)
                                             : at_rest && count < FROM_REST);
@@ -314,7 +306,7 @@ static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
 {
     const enum pk_status ended = it->status;
     const struct pk_reason reason = it->reason;
-    if (!pk_finite(reason.time) || !((pk_real)it->own->direction * (reason.time - e->from) > 0) ||
+    if (!pk_finite(reason.time) || !(pk_direction(it) * (reason.time - e->from) > 0) ||
         pk_integrator_reset(it, e->from, e->q0, e->v0) < 0) {
         it->own->ready = 0;
         return it->status = ended;

@@ -56,7 +56,7 @@ static inline pk_real *pk_events_end(const struct pk_events *e, int end)
 static inline pk_real pk_events_time(const struct pk_events *e, const struct pk_integrator *it,
                                      pk_real x)
 {
-    return x < pk_abs(it->t - e->from) ? e->from + (pk_real)it->own->direction * x : it->t;
+    return x < pk_abs(it->t - e->from) ? e->from + pk_direction(it) * x : it->t;
 }
 
 /* Returns whether there is an impulse at switch k. */
@@ -73,8 +73,7 @@ static inline int pk_switches_counted(const struct pk_integrator *it, size_t k)
     return PK_SYSTEM_HAS(system, counted) && system->counted && system->counted[k];
 }
 
-/* Returns the accuracy of a root at x: about two units in the last place of its time, on either
- * side. */
+/* Returns the accuracy of a root at x: two units in the last place of its time, either side. */
 static inline pk_real pk_events_width(const struct pk_events *e, const struct pk_integrator *it,
                                       pk_real x)
 {

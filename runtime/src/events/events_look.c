@@ -4,8 +4,7 @@
  * whether they resolve the functions; if one does not, the window is halved. See events.c.
  *
  * Reference: L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM 2013, chapters
- * 3 and 8.
- */
+ * 3 and 8. */
 
 #include "../core/tableau.h"
 #include "events.h"
@@ -156,8 +155,7 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
     shape->tail = tail;
     shape->others = others + tail;
     shape->lost = shape->crosses && tail > shape->range / 16;
-    /* The function has a jump if it is unresolved even in the narrowest window, with monotone
-     * samples. */
+    /* A function unresolved even in the narrowest window, with monotone samples, jumps. */
     for (int j = 0; j < SAMPLES; j += stride) {
         const pk_real step = pk_events_sample(e, j + stride)[k] - pk_events_sample(e, j)[k];
         back += pk_abs(step);
@@ -225,8 +223,7 @@ static void doubt(struct pk_events *e, const struct pk_integrator *it)
     }
 }
 
-/* Returns the switch that seems to cross first in the window; later crossings are not searched
- * for. */
+/* Returns the switch that seems to cross first in the window; later ones are not sought. */
 static size_t foremost(const struct pk_events *e)
 {
     size_t first = pk_events_count(e);

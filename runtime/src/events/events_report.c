@@ -6,12 +6,11 @@
 #include "events.h"
 
 /* Computes the state just after a crossing. Methods of the runtime reproduce the state by which the
- * crossing was located; GSL's bsimp may differ in the last digits, and a slightly later time is
- * then used. */
+ * crossing was located; GSL's bsimp may differ in the last digits: a later time is then used. */
 static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, const pk_real *entry)
 {
     const size_t k = (size_t)entry[1];
-    const pk_real side = entry[2] * (pk_real)it->own->direction;
+    const pk_real side = entry[2] * pk_direction(it);
     const pk_real width = pk_events_width(e, it, entry[0]);
     pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
     for (int tries = 0; tries < 4; tries++) {

@@ -1,6 +1,5 @@
 /* Events and switches at a time within a step: the state there, the values of their functions, and
- * the sample times of a window.
- */
+ * the sample times of a window. */
 
 #include "events.h"
 
@@ -70,7 +69,6 @@ enum pk_status pk_events_not_finite(struct pk_integrator *it, size_t k)
     return it->status = PK_NOT_FINITE;
 }
 
-/* Computes the state at t within the step by the method itself. */
 enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk_real t)
 {
     const struct pk_integrator *there = it;

@@ -1,6 +1,5 @@
 /* The motion at a switch across which L or a constraint jumps: whether there is an impulse, whether
- * the motion goes on or back, and several switches at once. See corner.c.
- */
+ * the motion goes on or back, and several switches at once. See corner.c. */
 #include <stdio.h>
 
 #include <pk/constraint.h>
@@ -47,8 +46,7 @@ static enum pk_status compare(struct corner *x, size_t k, unsigned *found)
     for (size_t i = 0; i < w->m; i++)
         if (pk_abs(x->p[i] - x->p0[i]) > SAME * (pk_abs(x->p[i]) + pk_abs(x->p0[i])))
             *found |= PK_IMPULSE_ENERGY;
-    const pk_real h = pk_corner_energy(x, x->start),
-                  work = pk_abs(pk_corner_dot(x->p, x->start, w->m));
+    const pk_real h = pk_corner_energy(x, x->start), work = pk_abs(pk_dot(x->p, x->start, w->m));
     if (pk_abs(h - x->h0) > SAME * (pk_abs(h) + pk_abs(x->h0) + work))
         *found |= PK_IMPULSE_ENERGY;
     if (!w->c)

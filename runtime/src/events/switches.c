@@ -5,8 +5,7 @@
  *
  * References: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd
  * ed., Springer 1993, section II.6; for motions that stay on a zero (PK_SLIDING): A. F. Filippov,
- * Differential Equations with Discontinuous Righthand Sides, Kluwer 1988.
- */
+ * Differential Equations with Discontinuous Righthand Sides, Kluwer 1988. */
 #include <math.h>
 #include <string.h>
 
@@ -71,9 +70,8 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
         return PK_DONE;
     }
     for (size_t round = 0; changed; round++) {
-        if (round > e->n_switches + 1) {
+        if (round > e->n_switches + 1)
             return pk_fail(it, PK_SLIDING, 0);
-        }
         changed = 0;
         pk_switches_values(e, it, it->t, it->q, it->v, x);
         for (size_t k = 0; k < e->n_switches; k++) {
@@ -145,7 +143,7 @@ enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, p
         if (entry[1] < (pk_real)e->n_events)
             continue;
         which = (size_t)entry[1] - e->n_events;
-        const pk_real side = entry[2] * (pk_real)it->own->direction;
+        const pk_real side = entry[2] * pk_direction(it);
         if (pk_switches_impulse(it, which) && hits < MOST_AT_ONCE)
             hit[hits] = which, to[hits++] = side;
         else if (!pk_switches_impulse(it, which) && !pk_switches_counted(it, which))

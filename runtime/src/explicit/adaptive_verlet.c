@@ -29,8 +29,7 @@ struct kept {
     pk_real eps, floor, given, direction;
     /* values at the base: density of steps, time, and low part of the time */
     pk_real rho, t, t_low;
-    /* flags. planned: the length of the step from the base is known; whole: the step of that
-     * length was made */
+    /* flags. planned: the length of the step from the base is known; whole: that step was made */
     int planned, whole;
     pk_real length, rho_next, end, end_low;
 };
@@ -105,9 +104,8 @@ static enum pk_status begin(struct pk_integrator *it, const struct work *w)
     const struct pk_options *o = &it->options;
     pk_real omega;
     PK_TRY(frequency(it, w, it->q, it->v, &omega));
-    if (!(omega > 0) && (o->h > 0 || !(o->h_max > 0))) {
+    if (!(omega > 0) && (o->h > 0 || !(o->h_max > 0)))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_SCALE);
-    }
     const pk_real tolerance = o->rtol > 0 ? o->rtol : o->atol;
     w->kept->eps = o->h > 0 ? o->h * omega : PK_F(sqrt)(24 * tolerance);
     w->kept->floor = o->h_max > 0 ? w->kept->eps / o->h_max : 0;
@@ -160,12 +158,11 @@ static enum pk_status plan(struct pk_integrator *it, const struct work *w)
     struct kept *kept = w->kept;
     pk_real omega;
     const pk_real half = kept->eps / 2;
-    drift(it, w, (pk_real)it->own->direction * half / kept->rho, it->own->next);
+    drift(it, w, pk_direction(it) * half / kept->rho, it->own->next);
     PK_TRY(frequency(it, w, it->own->next, w->base + it->n_q, &omega));
     const pk_real next = 2 * raised(w, omega) - kept->rho;
-    if (!(next > kept->rho / 4 && next < 4 * kept->rho)) {
+    if (!(next > kept->rho / 4 && next < 4 * kept->rho))
         return pk_fail(it, PK_STEP_UNDERFLOW, PK_REASON_TIME_SCALE);
-    }
     kept->rho_next = next;
     kept->length = half / kept->rho + half / next;
     kept->planned = 1;
@@ -187,11 +184,12 @@ static enum pk_status aside(struct pk_integrator *it, const struct work *w, pk_r
 
 static enum pk_status step(struct pk_integrator *it, pk_real limit)
 {
+    struct pk_integrator_private *const own = it->own;
     const struct work w = parts(it);
     struct kept *kept = w.kept;
-    const pk_real sign = (pk_real)it->own->direction;
+    const pk_real sign = (pk_real)own->direction;
     /* the step of planned length was made, but the integrator rejected it */
-    if (kept->whole && !(it->own->flags & PK_HAVE_STEP)) {
+    if (kept->whole && !(own->flags & PK_HAVE_STEP)) {
         kept->whole = kept->planned = 0;
     } else if (kept->whole) { /* the integrator accepted the step: its end becomes the base */
         take_base(it, &w);
@@ -199,14 +197,13 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
         kept->t = kept->end;
         kept->t_low = kept->end_low;
     }
-    const int there = !(it->t < kept->t || it->t > kept->t);
-    const int turned = sign * kept->direction < 0;
+    const int there = !(it->t < kept->t || it->t > kept->t), turned = sign * kept->direction < 0;
     if ((turned && !there) || kept->given < it->options.h || kept->given > it->options.h)
         PK_TRY(begin(it, &w));
     if (turned)
         kept->planned = 0;
     kept->direction = sign;
-    it->own->flags = 0;
+    own->flags = 0;
     if (!kept->planned)
         PK_TRY(plan(it, &w));
 
@@ -217,21 +214,21 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     if (!(kept->length > least))
         return pk_underflow(it, kept->length);
     if (sign * (end - limit) > close) {
-        it->own->next_t = limit;
-        PK_TRY(aside(it, &w, limit - kept->t, it->own->next));
+        own->next_t = limit;
+        PK_TRY(aside(it, &w, limit - kept->t, own->next));
     } else {
         const pk_real half = sign * kept->eps / 2;
-        it->own->next_t = pk_abs(end - limit) <= close ? limit : end;
-        drift(it, &w, half / kept->rho, it->own->next);
-        kick_drift(it, &w, sign * kept->length, half / kept->rho_next, w.a, it->own->next);
-        if (!pk_all_finite(it->own->next, it->n_q + it->n))
+        own->next_t = pk_abs(end - limit) <= close ? limit : end;
+        drift(it, &w, half / kept->rho, own->next);
+        kick_drift(it, &w, sign * kept->length, half / kept->rho_next, w.a, own->next);
+        if (!pk_all_finite(own->next, it->n_q + it->n))
             return PK_NOT_FINITE;
-        kept->end = it->own->next_t;
-        kept->end_low = it->own->next_t < end || it->own->next_t > end ? 0 : low;
+        kept->end = own->next_t;
+        kept->end_low = own->next_t < end || own->next_t > end ? 0 : low;
         kept->whole = 1;
     }
-    it->own->h = sign * kept->length;
-    it->own->flags = PK_HAVE_STEP;
+    own->h = sign * kept->length;
+    own->flags = PK_HAVE_STEP;
     return PK_DONE;
 }
 

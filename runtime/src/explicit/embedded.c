@@ -36,8 +36,7 @@ enum pk_status pk_embedded_init(struct pk_integrator *it)
     return PK_DONE;
 }
 
-/* Returns the first step size by the algorithm of HNW II.4, from y, y', and an estimate of y'' from
- * an Euler step. */
+/* Returns the first step size as in HNW II.4, from y, y' and y'' estimated by an Euler step. */
 static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_work *w, pk_real limit)
 {
     const pk_real *y0 = it->own->state, span = pk_abs(limit - it->t);
@@ -47,8 +46,8 @@ static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_wor
     if (it->options.h > 0)
         return h;
     for (size_t i = 0; i < w->m; i++)
-        w->y[i] = y0[i] + (pk_real)it->own->direction * h * w->k[i];
-    if (generic_slope(it, it->t + (pk_real)it->own->direction * h, w->y, w->last) < 0)
+        w->y[i] = y0[i] + pk_direction(it) * h * w->k[i];
+    if (generic_slope(it, it->t + pk_direction(it) * h, w->y, w->last) < 0)
         return h;
     for (size_t i = 0; i < w->m; i++) {
         const pk_real scale = pk_scale_known(pk_tolerance(it, i, y0[i], y0[i]));
@@ -75,7 +74,7 @@ enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit)
             return PK_NOT_FINITE;
     }
     if (!(pk_abs(it->own->h) > 0)) {
-        it->own->h = (pk_real)it->own->direction * first_step(it, &w, limit);
+        it->own->h = pk_direction(it) * first_step(it, &w, limit);
         *w.err_old = PK_C(1e-4);
     }
     return PK_DONE;

@@ -85,8 +85,7 @@ enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_spl
 }
 
 /* Computes Phi and D of a drift of length h from exp(h L) - 1 = (0 s Phi; 0 D), L = (0 s; 0 B). s
- * is a power of two similar to the norm of B, so that its block s in L does not increase the number
- * of squarings. */
+ * is a power of two similar to the norm of B, so that s in L adds no squarings. */
 static enum pk_status drift(const struct work *w, pk_real h, pk_real *to)
 {
     const size_t n = w->n, m = 2 * n, nn = n * n;
@@ -162,14 +161,15 @@ static void kick_drift(const struct work *w, pk_real kappa, const pk_real *a, co
 
 enum pk_status pk_linear_drag_step(struct pk_integrator *it, const struct pk_splitting *table)
 {
+    struct pk_integrator_private *const own = it->own;
     const struct work w = work_of(it, table);
     const size_t n = w.n;
-    const pk_real h = it->own->h, *from = it->own->state, *a = pk_state(it, PK_A), *of;
-    pk_real *to = it->own->next, *a1 = pk_next(it, PK_A), done = 0;
+    const pk_real h = own->h, *from = own->state, *a = pk_state(it, PK_A), *of;
+    pk_real *to = own->next, *a1 = pk_next(it, PK_A), done = 0;
     const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;
     PK_TRY(drifts(it, &w, table, h, &of));
     for (int i = 0; i < s; i++) {
-        if (i > 0 || !(it->own->flags & PK_HAVE_A)) {
+        if (i > 0 || !(own->flags & PK_HAVE_A)) {
             PK_TRY(pk_eval_acceleration(it, it->t + done * h, from, w.zero, a1));
             a = a1;
         }
@@ -178,10 +178,10 @@ enum pk_status pk_linear_drag_step(struct pk_integrator *it, const struct pk_spl
         from = to;
     }
     if (ends) {
-        PK_TRY(pk_eval_acceleration(it, it->own->next_t, to, w.zero, a1));
+        PK_TRY(pk_eval_acceleration(it, own->next_t, to, w.zero, a1));
         pk_kick(n, n, table->kick[s] * h, a1, to);
     }
     if (pk_all_finite(to, 2 * n))
-        it->own->flags = ends ? it->own->flags | PK_HAVE_A : it->own->flags & ~PK_HAVE_A;
+        own->flags = ends ? own->flags | PK_HAVE_A : own->flags & ~PK_HAVE_A;
     return PK_DONE;
 }

@@ -25,17 +25,10 @@ struct work {
     pk_real *fast, *slow;
 };
 
-static size_t lay_out(struct work *w, size_t n, pk_real *base)
-{
-    const struct pk_slot slots[] = {{&w->fast, n}, {&w->slow, n}};
-    return PK_LAY_OUT(base, slots);
-}
-
 static size_t respa_size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
-    struct work w;
     (void)method, (void)problem;
-    return lay_out(&w, n, NULL);
+    return 2 * n; /* of struct work */
 }
 
 static void evaluate_fast(struct pk_integrator *it, const struct work *w, pk_real t,
@@ -61,17 +54,17 @@ static enum pk_status evaluate_slow(struct pk_integrator *it, const struct work 
 
 static enum pk_status respa_step(struct pk_integrator *it, pk_real limit)
 {
+    struct pk_integrator_private *const own = it->own;
     const struct pk_splitting *table = (const struct pk_splitting *)it->method->table;
     const size_t n_q = it->n_q, n = it->n;
-    const pk_real *from = it->own->state;
-    pk_real *to = it->own->next, t = it->t;
-    struct work w;
+    const pk_real *from = own->state;
+    pk_real *to = own->next, t = it->t;
+    const struct work w = {own->work, own->work + n};
     (void)limit;
-    lay_out(&w, n, it->own->work);
     evaluate_fast(it, &w, t, from);
-    PK_TRY(evaluate_slow(it, &w, t, from, it->own->flags & PK_HAVE_A ? pk_state(it, PK_A) : NULL));
+    PK_TRY(evaluate_slow(it, &w, t, from, own->flags & PK_HAVE_A ? pk_state(it, PK_A) : NULL));
     for (int i = 0; i < table->stages; i++) {
-        const pk_real h = table->drift[i] * it->own->h, most = it->options.h_max;
+        const pk_real h = table->drift[i] * own->h, most = it->options.h_max;
         const pk_real many = most > 0 ? PK_F(ceil)(pk_abs(h) / most * (1 - 8 * PK_EPS)) : TEN;
         const pk_real part = h / pk_max(many, 1), t0 = t;
         pk_kick_drift(n_q, n, h / 2, w.slow, 0, from, to);
@@ -86,7 +79,7 @@ static enum pk_status respa_step(struct pk_integrator *it, pk_real limit)
         from = to;
     }
     if (pk_all_finite(to, n_q + n))
-        it->own->flags |= PK_HAVE_A;
+        own->flags |= PK_HAVE_A;
     return PK_DONE;
 }
 

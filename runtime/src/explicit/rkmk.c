@@ -63,14 +63,15 @@ static const pk_real *argument(const struct pk_integrator *it, const struct pk_t
 
 static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
 {
+    struct pk_integrator_private *const own = it->own;
     const struct pk_tableau *table = (const struct pk_tableau *)it->method->table;
     const size_t m = it->n_q + it->n, turned = rotations(it);
-    pk_real *y = it->own->next, *low = pk_next(it, PK_LOW_Q);
+    pk_real *y = own->next, *low = pk_next(it, PK_LOW_Q);
     (void)limit;
     for (int i = 0; i < table->stages; i++) {
         const pk_real *at = argument(it, table, i, y);
-        pk_real *k = it->own->work + (size_t)i * m;
-        PK_TRY(generic_slope(it, it->t + table->c[i] * it->own->h, at, k));
+        pk_real *k = own->work + (size_t)i * m;
+        PK_TRY(generic_slope(it, it->t + table->c[i] * own->h, at, k));
         for (size_t r = 0; r < turned; r++) {
             const struct pk_turning to = turning(it, r);
             pk_real theta[3], omega[3], slope[4] = {0};
@@ -84,8 +85,7 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
     /* the low parts of q, and of v behind them */
     pk_copy(low, pk_state(it, PK_LOW_Q), m);
     for (size_t i = 0; i < m; i++)
-        y[i] = pk_sum(it->own->state[i],
-                      it->own->h * pk_row_sum(table->b, table->stages, it->own->work, m, i),
+        y[i] = pk_sum(own->state[i], own->h * pk_row_sum(table->b, table->stages, own->work, m, i),
                       &low[i]);
     for (size_t r = 0; r < turned; r++) {
         const struct pk_turning at = turning(it, r);
@@ -93,7 +93,7 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
         added_by(it, table->b, table->stages, at, added);
         for (size_t k = 0, i = at.number; k < 4; k++, i += at.step) {
             low[i] = pk_state(it, PK_LOW_Q)[i];
-            y[i] = pk_sum(it->own->state[i], added[k], &low[i]);
+            y[i] = pk_sum(own->state[i], added[k], &low[i]);
         }
     }
     return PK_DONE;

@@ -151,8 +151,7 @@ static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
     const size_t n = it->n, m = w->s * n, read = pk_gauss_read(w);
     pk_real most = 0, off = 0;
     pk_copy(w->older_V, w->V, m);
-    for (size_t i = 0; i < w->s; i++)
-        pk_copy(w->V + i * n, it->v, n);
+    pk_gauss_rest(it, w);
     if (!pk_gauss_residual(it, w))
         return 0;
     pk_gauss_lu_solve(w, &w->lu, w->s, w->G);
@@ -175,9 +174,8 @@ static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss
         const pk_real t = it->t + w->c[i] * it->own->h;
         pk_gauss_mass(it, t, w->Q + i * n_q, w->V + i * n, w->M);
         const int failed = pk_gauss_mass_factor(w, w->M);
-        if (failed) {
+        if (failed)
             return pk_eval_failed(it, t, w->Q + i * n_q, w->V + i * n, failed);
-        }
     }
     return PK_DONE;
 }
@@ -289,7 +287,6 @@ enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *
 
 enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w)
 {
-    const size_t n = it->n;
     if (it->options.iteration == PK_FIXED_POINT) {
         it->reason.kind = PK_BY_FIXED_POINT;
         if (!pk_gauss_iterate(it, w, PK_BY_MASS))
@@ -300,8 +297,7 @@ enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w)
     }
     if (pk_gauss_iterate(it, w, PK_SIMPLIFIED))
         return pk_gauss_certify(it, w);
-    for (size_t i = 0; i < w->s; i++)
-        pk_copy(w->V + i * n, it->v, n);
+    pk_gauss_rest(it, w);
     if (!pk_gauss_residual(it, w))
         return PK_NOT_FINITE; /* V = v0 is the safest guess */
     const int converged = pk_gauss_iterate(it, w, PK_FULL);

@@ -33,23 +33,29 @@ struct work {
     pk_real *room;
 };
 
-static size_t room_size(size_t m, size_t n)
-{
-    const size_t for_expm = pk_expm_room(m), for_linear = 4 * n * n + 4 * n;
-    return for_expm > for_linear ? for_expm : for_linear;
-}
-
 static size_t lay_out(struct work *w, size_t n_q, size_t n, pk_real *base)
 {
     const size_t m = n_q + n + 1, mm = m * m, terms = (PK_EXPM_TERMS + 1) * m;
-    const struct pk_slot slots[] = {
-        {&w->L.hi, mm},        {&w->L.lo, mm},    {&w->E[0].hi, mm},
-        {&w->E[0].lo, mm},     {&w->E[1].hi, mm}, {&w->E[1].lo, mm},
-        {&w->x.hi, m},         {&w->x.lo, m},     {&w->y.hi, m},
-        {&w->y.lo, m},         {&w->scale, m},    {&w->h, KEPT},
-        {&w->norm, 1},         {&w->last, 1},     {&w->room, room_size(m, n)},
-        {&w->piece, 1},        {&w->at, 1},       {&w->series.hi, terms},
-        {&w->series.lo, terms}};
+    const size_t of_expm = pk_expm_room(m), of_linear = 4 * n * n + 4 * n;
+    const struct pk_slot slots[] = {{&w->L.hi, mm},
+                                    {&w->L.lo, mm},
+                                    {&w->E[0].hi, mm},
+                                    {&w->E[0].lo, mm},
+                                    {&w->E[1].hi, mm},
+                                    {&w->E[1].lo, mm},
+                                    {&w->x.hi, m},
+                                    {&w->x.lo, m},
+                                    {&w->y.hi, m},
+                                    {&w->y.lo, m},
+                                    {&w->scale, m},
+                                    {&w->h, KEPT},
+                                    {&w->norm, 1},
+                                    {&w->last, 1},
+                                    {&w->room, of_expm > of_linear ? of_expm : of_linear},
+                                    {&w->piece, 1},
+                                    {&w->at, 1},
+                                    {&w->series.hi, terms},
+                                    {&w->series.lo, terms}};
     w->n_q = n_q;
     w->n = n;
     w->m = m;
@@ -71,8 +77,7 @@ static struct work work_of(const struct pk_integrator *it)
     return w;
 }
 
-/* Solves M y = r with iterative refinement, where M = L D L^T is factored, and y = hi + lo has
- * twice the precision. */
+/* Solves M y = r with iterative refinement, M factored; y = hi + lo has twice the precision. */
 static void refined(const struct work *w, const pk_real *M, const pk_real *factors,
                     const pk_real *r, pk_real *room, pk_real *hi, pk_real *lo)
 {
@@ -115,8 +120,7 @@ static enum pk_status from_linear(struct pk_integrator *it, const struct work *w
 }
 
 /* Computes L from accelerations a at multiples of unit vectors. The multiples are so large that the
- * constant term c is below the round-off of a; the differences a - c then have no more round-off
- * than a. */
+ * constant term c is below the round-off of a; then a - c has no more round-off than a. */
 static enum pk_status from_accelerations(struct pk_integrator *it, const struct work *w)
 {
     const size_t n_q = w->n_q, n = w->n, m = w->m;

@@ -13,8 +13,7 @@
  * still determined, since dG_i/dV_i is M at h = 0. Radau has a^ = a, its last stage is the end of
  * the step, and it damps fast motion. The state at the end of a step is (q, p); v1 is computed from
  * p1 and has only round-off errors. The products h b_i sum to h exactly, and mu_ij + mu^_ji = 1
- * exactly; the sums for q1 and p1 are compensated. This file makes the step; newton.c solves the
- * equations.
+ * exactly; the sums for q1 and p1 are compensated. newton.c solves the equations.
  *
  * For a separable system gauss8 evaluates the stages in the SIMD lanes of one kernel:
  * gauss_nystrom.c.
@@ -27,15 +26,14 @@
 
 /* Sets row i of w->predict to the weights that extrapolate stage rates from the last step to stage
  * i of the next step, which is at 1 + c_i h / last_h in units of the last step. They apply to the
- * last step's stages (nodes c_j) and its end (node 1); or, if the last stage is the end, to the
- * stages only. */
+ * last step's stages (nodes c_j) and its end (node 1); or, if the last stage is the end, to
+ * stages. */
 static void set_predictor(struct pk_gauss_work *w, pk_real ratio)
 {
     const size_t s = w->s, nodes = w->c[s - 1] < 1 ? s + 1 : s;
     for (size_t i = 0; i < s; i++)
         for (size_t j = 0; j <= s; j++) {
-            const pk_real x = 1 + ratio * w->c[i];
-            const pk_real xj = j < s ? w->c[j] : 1;
+            const pk_real x = 1 + ratio * w->c[i], xj = j < s ? w->c[j] : 1;
             pk_real weight = j < nodes;
             for (size_t k = 0; k < nodes && j < nodes; k++) {
                 const pk_real xk = k < s ? w->c[k] : 1;
@@ -52,8 +50,7 @@ void pk_gauss_predict(struct pk_integrator *it, struct pk_gauss_work *w)
     const size_t n = it->n, s = w->s;
     const pk_real ratio = it->own->flags & PK_HAVE_STEP ? it->own->h / w->kept->last_h : 0;
     if (!(pk_abs(ratio) > 0) || !(pk_abs(ratio) <= PK_GAUSS_REACH)) {
-        for (size_t i = 0; i < s; i++)
-            pk_copy(w->V + i * n, it->v, n);
+        pk_gauss_rest(it, w);
         return;
     }
     if (ratio > w->kept->ratio || ratio < w->kept->ratio)
@@ -67,8 +64,7 @@ void pk_gauss_predict(struct pk_integrator *it, struct pk_gauss_work *w)
         }
 }
 
-/* Solves p(q, v, t) = p for v, starting at v: Newton's method with matrix M, one linear solve if p
- * is affine in v. */
+/* Solves p(q, v, t) = p for v from v by Newton's method with M; once if p is affine in v. */
 static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_gauss_work *w,
                                     pk_real t, const pk_real *q, const pk_real *p, pk_real *v)
 {
@@ -109,24 +105,24 @@ static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_ga
 
 static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)
 {
+    struct pk_integrator_private *const own = it->own;
     struct pk_gauss_work w = pk_gauss_parts(it);
     const size_t n = it->n;
     (void)limit;
-    if (it->own->h > w.kept->h || it->own->h < w.kept->h)
-        pk_gauss_set_step(it, &w, it->own->h);
-    if (pk_gauss_by_lanes(it, &w, it->own->h)) {
+    if (own->h > w.kept->h || own->h < w.kept->h)
+        pk_gauss_set_step(it, &w, own->h);
+    if (pk_gauss_by_lanes(it, &w, own->h)) {
         const enum pk_status status = pk_gauss_nystrom_step(it, &w);
         if (status != PK_NO_CONVERGENCE)
             return status;
-        w.kept->slow_h = it->own->h;        /* the step is too long for
-                                                               fixed-point iteration */
+        w.kept->slow_h = own->h;            /* too long for fixed-point iteration */
         pk_zero(pk_state(it, PK_LOW_X), n); /* LOW_X held the low part of v */
-        it->own->flags = 0;
+        own->flags = 0;
     }
     pk_gauss_predict(it, &w);
     const enum pk_status status = pk_gauss_solve(it, &w);
     if (status < 0) {
-        it->own->flags &= ~PK_HAVE_LU;
+        own->flags &= ~PK_HAVE_LU;
         return status;
     }
     return pk_gauss_finish(it, &w);
@@ -136,8 +132,7 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
 {
     const size_t n = it->n, s = w->s;
     pk_copy(it->own->next, it->own->state, pk_state_offset(w->n_q, n, PK_PARTS));
-    pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V);
-    pk_real *p = pk_next(it, PK_P);
+    pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V), *p = pk_next(it, PK_P);
     pk_real *low_q = pk_next(it, PK_LOW_Q), *low_p = pk_next(it, PK_LOW_X);
     for (size_t k = 0; k < n; k++) {
         pk_real dq = 0, dp = 0;

@@ -1,6 +1,5 @@
 /* Shared by the implicit methods in (q, p): the step (gauss.c), its equations (newton.c), their
- * matrix (gauss_matrix.c), the choice of a solution (branch.c), step size control (radau.c).
- */
+ * matrix (gauss_matrix.c), the choice of a solution (branch.c), step size control (radau.c). */
 #ifndef PK_GAUSS_H
 #define PK_GAUSS_H
 
@@ -11,8 +10,7 @@
 /* Corrections whose relative size is below this and no longer decreases are round-off: the
  * iteration does not diverge. */
 #define PK_GAUSS_ROUND (16384 * PK_EPS)
-/* An iteration ends at this relative error: the sum of 1e8 such errors is at most the round-off of
- * as many steps. */
+/* An iteration ends at this relative error: 1e8 of them sum to the round-off of as many steps. */
 #define PK_GAUSS_BIAS (PK_EPS / PK_C(8192.0))
 /* A step longer than the last step by more than this factor is not predicted from the last step. */
 #define PK_GAUSS_REACH PK_C(64.0)
@@ -41,8 +39,7 @@ struct pk_gauss_kept {
     /* For branch.c. contraction, last_contraction: bounds of the contraction factor for lu and in
      * the last step. first_rate, worst_rate: first and largest ratio of successive corrections.
      * loose: ratio of the sharp bound to the quick bound. loose_for: number of further matrices for
-     * which `loose` is used. sure: whether lu is certified for later steps. fresh: whether lu was
-     * computed in this step. */
+     * which `loose` is used. sure: lu is certified for later steps. fresh: lu is of this step. */
     pk_real contraction, last_contraction, first_rate, worst_rate, loose;
     int loose_for, sure, fresh;
 };
@@ -70,15 +67,13 @@ struct pk_gauss_work {
     pk_real *mu_columns, *rest; /* mu stored by columns, for gauss8; memory of other files */
     /* For branch.c. start_J, old_J: derivatives at the start and at the last point of a
      * continuation. old_V, older_V: V at its last two points. M: the M of each stage. x, y, z:
-     * vectors in the order of the pattern. For newton.c. before_J: derivatives of the last
-     * iteration. */
+     * vectors in the order of the pattern. before_J: those of newton.c's last iteration. */
     pk_real *start_J, *old_J, *old_V, *older_V, *M, *x, *y, *z, *before_J;
     struct pk_gauss_kept *kept;
 };
 
 /* The matrix of an iteration. PK_SIMPLIFIED: Newton's matrix at the predicted stages. PK_FULL:
- * Newton's matrix, recomputed in each iteration. PK_BY_MASS: M, which makes a fixed-point
- * iteration. */
+ * Newton's matrix, recomputed in each iteration. PK_BY_MASS: M, a fixed-point iteration. */
 enum pk_gauss_mode { PK_SIMPLIFIED, PK_FULL, PK_BY_MASS };
 
 /* In gauss_work.c. Returns the work arrays of an integrator; they and `kept` are in its block. */
@@ -93,9 +88,22 @@ static inline int pk_gauss_by_lanes(const struct pk_integrator *it, const struct
            (h > w->kept->slow_h || h < w->kept->slow_h);
 }
 
+/* Returns whether Newton's matrix is missing, worn out or of another step size. */
+static inline int pk_gauss_stale(const struct pk_integrator *it, const struct pk_gauss_work *w)
+{
+    return !(it->own->flags & PK_HAVE_LU) || it->own->flags & PK_REFRESH ||
+           it->own->h > w->kept->lu_h || it->own->h < w->kept->lu_h;
+}
+
+/* Guesses V = v0 at all stages. */
+static inline void pk_gauss_rest(const struct pk_integrator *it, const struct pk_gauss_work *w)
+{
+    for (size_t i = 0; i < w->s; i++)
+        pk_copy(w->V + i * it->n, it->v, it->n);
+}
+
 /* Parts of a step. set_step() computes h a_ij and h b_i; predict() extrapolates V from the last
- * step; solve() finds V, Q, P, F from a guess of V; finish() computes the new state from V, Q, P
- * and F. */
+ * step; solve() finds V, Q, P, F from a guess of V; finish() computes the new state. */
 void pk_gauss_set_step(struct pk_integrator *it, struct pk_gauss_work *w, pk_real h);
 void pk_gauss_predict(struct pk_integrator *it, struct pk_gauss_work *w);
 enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w);
@@ -134,8 +142,7 @@ const pk_real *pk_gauss_equations(struct pk_integrator *it);
  * with the derivatives at each predicted stage, and recomputed once convergence gets slower. */
 int pk_gauss_small(const struct pk_gauss_work *w);
 /* Factors M = L D L^T in place. Returns 0, or a PK_FAILURE_MASS with the coordinate whose pivot is
- * not positive. pk_gauss_mass_solve() computes x = M^-1 x with the factors; x is in the order of
- * coordinates. */
+ * not positive. pk_gauss_mass_solve() computes x = M^-1 x; x is in the order of coordinates. */
 int pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M);
 void pk_gauss_mass_solve(const struct pk_gauss_work *w, pk_real *M, pk_real *x);
 /* Replaces M by its comparison matrix, whose inverse is entrywise at least |M^-1| if the comparison
@@ -147,16 +154,15 @@ static inline size_t pk_gauss_read(const struct pk_gauss_work *w)
     return w->pattern.dense ? w->places : w->n;
 }
 /* pk_gauss_lu_solve() computes x = lu^-1 x for s stages; x is in the order of coordinates.
- * pk_gauss_solve_with() computes y = lu^-1 (y + A x) for one stage; if dense, y becomes only y + A
- * x for quadratures. */
+ * pk_gauss_solve_with() sets y = lu^-1 (y + A x) for one stage; if dense, y + A x for
+ * quadratures. */
 void pk_gauss_lu_solve(const struct pk_gauss_work *w, const struct pk_band *lu, size_t s,
                        pk_real *x);
 void pk_gauss_solve_with(const struct pk_gauss_work *w, pk_real *A, const pk_real *x,
                          const struct pk_band *lu, pk_real *y);
-/* In gauss_places.c. pk_gauss_band() describes the array `numbers` as a band matrix, whose
- * rows and columns have the order of unknowns: member by member along a family. The two
- * other functions copy a vector of s stages from the order of coordinates to the order of unknowns,
- * and back. */
+/* In gauss_places.c. pk_gauss_band() describes the array `numbers` as a band matrix, whose rows and
+ * columns have the order of unknowns: member by member along a family. The two other functions copy
+ * a vector of s stages from the order of coordinates to that, and back. */
 struct pk_band pk_gauss_band(const struct pk_gauss_work *w, pk_real *numbers);
 void pk_gauss_to_places(const struct pk_gauss_work *w, size_t s, const pk_real *x, pk_real *y);
 void pk_gauss_to_coordinates(const struct pk_gauss_work *w, size_t s, const pk_real *y, pk_real *x);
@@ -174,8 +180,7 @@ pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gau
 pk_real pk_gauss_norm(const struct pk_gauss_work *w, const pk_real *M);
 
 /* Certifies that V is on the branch of short steps. Otherwise replaces V by the solution on this
- * branch, or returns PK_AMBIGUOUS_STEP with the longest step that has such a solution in the
- * reason. */
+ * branch, or returns PK_AMBIGUOUS_STEP with the longest step that has one. */
 enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *w);
 
 #endif

@@ -26,12 +26,7 @@ static enum pk_status init(struct pk_integrator *it)
     return PK_DONE;
 }
 
-static enum pk_status step(struct pk_integrator *it, pk_real limit)
-{
-    return generic_gauss(it, limit);
-}
-
-#define GAUSS(of)                                                                                  \
-    .needs = PK_NEEDS_GAUSS, .formula = &pk_method_##of, .size = size, .init = init, .step = step, \
-    .dense = pk_gauss_dense
+#define GAUSS(of)                                                                    \
+    .needs = PK_NEEDS_GAUSS, .formula = &pk_method_##of, .size = size, .init = init, \
+    .step = generic_gauss, .dense = pk_gauss_dense
 PK_METHODS_GAUSS(PK_DEFINE_METHOD, GAUSS)

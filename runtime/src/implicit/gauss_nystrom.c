@@ -95,9 +95,8 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
         /* Corrections of a slow iteration oscillate, since its eigenvalues are complex. */
         if (!(change > 0) || (idle > (least <= 16 * PK_EPS ? 1 : 5) && least <= PK_GAUSS_ROUND))
             break;
-        if (idle > 9 || count > 200) {
+        if (idle > 9 || count > 200)
             return pk_fail_with(it, PK_NO_CONVERGENCE, PK_WHY(.value = least));
-        }
     }
     stages(it, &w, of, L, P);
     for (size_t i = 0; i < n; i++) {

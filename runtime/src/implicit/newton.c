@@ -84,8 +84,7 @@ void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
     }
 }
 
-/* Returns the relative change of the derivatives since the last iteration, the largest of M, p_q,
- * pdot_q and pdot_v. */
+/* Returns the largest relative change of M, p_q, pdot_q and pdot_v since the last iteration. */
 static pk_real changed(const struct pk_gauss_work *w)
 {
     const size_t nn = w->nn, seen = w->pattern.dense ? w->places * w->n : nn;
@@ -180,9 +179,7 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
             keep_or_refresh(it, w, fresh, count);
             return 1;
         }
-        const int stale = !(it->own->flags & PK_HAVE_LU) || it->own->flags & PK_REFRESH ||
-                          it->own->h > w->kept->lu_h || it->own->h < w->kept->lu_h;
-        if (mode == PK_FULL || (count == 0 && (mode == PK_BY_MASS || stale))) {
+        if (mode == PK_FULL || (count == 0 && (mode == PK_BY_MASS || pk_gauss_stale(it, w)))) {
             if (mode == PK_FULL)
                 pk_copy(w->before_J, w->jacobian, 4 * w->s * w->nn);
             if (!pk_gauss_refactor(it, w, mode))

@@ -4,8 +4,7 @@
  * only the kernels of Newton's matrix, and the change of p equals the sum of forces to round-off.
  *
  * Newton's iteration ends at a fraction of the tolerance of the error (radau_error.c). If it does
- * not converge, or its solution is not on the branch of short steps (branch.c), the step is
- * shortened.
+ * not converge, or not to the branch of short steps (branch.c), the step is shortened.
  *
  * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8,
  * (8.17)-(8.25), and the code RADAU5; K. Gustafsson, ACM TOMS 20 (1994) 496, for the predictive
@@ -28,14 +27,11 @@ static size_t lay_out(struct pk_radau_parts *r, size_t n, struct pk_pattern patt
                             .above = pattern.width,
                             .border = pattern.border,
                             .pivoting = 1};
-    const struct pk_slot slots[] = {{&E, pk_band_lay_out(&r->E, NULL)},
-                                    {&r->pdot, n},
-                                    {&r->dq, n},
-                                    {&r->dv, n},
-                                    {&r->of_q, n},
-                                    {&r->of_v, n},
-                                    {&r->x, n},
-                                    {&kept, PK_REALS_OF(*r->kept)}};
+    /* clang-format off */
+    const struct pk_slot slots[] = {
+        {&E, pk_band_lay_out(&r->E, NULL)}, {&r->pdot, n}, {&r->dq, n}, {&r->dv, n}, {&r->of_q, n},
+        {&r->of_v, n}, {&r->x, n}, {&kept, PK_REALS_OF(*r->kept)}};
+    /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
     r->kept = (struct pk_radau_kept *)(void *)kept;
     if (base)
@@ -112,10 +108,7 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
             pk_gauss_settle(it, w);
             return PK_DONE;
         }
-        if (*count == 0 &&
-            (!(it->own->flags & PK_HAVE_LU) || it->own->flags & PK_REFRESH ||
-             it->own->h > w->kept->lu_h || it->own->h < w->kept->lu_h) &&
-            !pk_gauss_refactor(it, w, PK_SIMPLIFIED))
+        if (*count == 0 && pk_gauss_stale(it, w) && !pk_gauss_refactor(it, w, PK_SIMPLIFIED))
             return PK_NO_CONVERGENCE;
         pk_gauss_correct(it, w, PK_SIMPLIFIED);
         it->count.iterations++;
@@ -131,8 +124,7 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
             if (!(rate < 1) && !little)
                 return PK_NO_CONVERGENCE;
             left = rate < 1 ? rate / (1 - rate) : 0;
-            if (rate > PK_C(1e-3)) /* convergence is slow enough for a new matrix to be worth its
-                                      cost */
+            if (rate > PK_C(1e-3)) /* so slow that a new matrix is worth its cost */
                 it->own->flags |= PK_REFRESH;
             if (left * now * PK_F(pow)(rate, (pk_real)(most - 1 - *count)) > r->kept->enough) {
                 if (!little)
@@ -167,8 +159,7 @@ static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
     if (status < 0 || (status = pk_radau_judge(it, w, r, again)) < 0 || it->own->error > 1)
         return status;
     status = pk_gauss_certify(it, w);
-    if (status >= 0 && !pk_finite(w->kept->contraction)) /* V may have been replaced by another
-                                                            solution */
+    if (status >= 0 && !pk_finite(w->kept->contraction)) /* V may be another solution */
         status = pk_radau_judge(it, w, r, again);
     return status;
 }
@@ -177,8 +168,7 @@ static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
  * one. The ratio is smaller if Newton's iteration took long. */
 static pk_real growth(const struct pk_integrator *it, const struct pk_radau_parts *r, int count)
 {
-    const pk_real error = pk_max(it->own->error, PK_C(1e-10));
-    const pk_real most = 2 * MOST_ITERATIONS;
+    const pk_real error = pk_max(it->own->error, PK_C(1e-10)), most = 2 * MOST_ITERATIONS;
     const pk_real safety = SAFETY * (most + 1) / (most + (pk_real)count);
     pk_real grow = safety / PK_F(sqrt)(PK_F(sqrt)(error));
     if (it->own->error <= 1 && pk_abs(r->kept->h) > 0)
@@ -189,39 +179,40 @@ static pk_real growth(const struct pk_integrator *it, const struct pk_radau_part
 
 static enum pk_status step(struct pk_integrator *it, pk_real limit)
 {
+    struct pk_integrator_private *const own = it->own;
     struct pk_gauss_work w = pk_gauss_parts(it);
     const struct pk_radau_parts r = parts_of(it, &w);
     int count = 0;
-    if (!(pk_abs(it->own->h) > 0)) {
-        it->own->flags = 0;
+    if (!(pk_abs(own->h) > 0)) {
+        own->flags = 0;
         r.kept->left = 1;
         r.kept->h = 0;
         PK_TRY(pk_eval_acceleration(it, it->t, it->q, it->v, r.x));
-        it->own->h = (pk_real)it->own->direction * pk_first_step(it, r.x, PK_C(0.01), limit);
+        own->h = (pk_real)own->direction * pk_first_step(it, r.x, PK_C(0.01), limit);
     }
     pk_eval_canonical(it, it->t, it->q, it->v, w.G, r.pdot);
     struct pk_trial x = pk_trial(it, limit);
     for (;;) {
         if (!pk_trial_next(it, limit, &x))
             return pk_underflow(it, x.planned);
-        it->own->h = x.h;
+        own->h = x.h;
         enum pk_status status =
-            attempt(it, &w, &r, x.rejected || !(it->own->flags & PK_HAVE_STEP), &count);
-        if (status >= 0 && it->own->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
+            attempt(it, &w, &r, x.rejected || !(own->flags & PK_HAVE_STEP), &count);
+        if (status >= 0 && own->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
             break;
         if (status < 0 && status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP)
-            pk_trouble(it, status, it->own->next_t); /* otherwise the step was too long */
+            pk_trouble(it, status, own->next_t); /* otherwise the step was too long */
         const pk_real less = status < 0 ? PK_C(0.5) : pk_min(growth(it, &r, count), PK_C(0.9));
-        pk_trial_reject(it, &x, pk_abs(it->own->h) * less);
+        pk_trial_reject(it, &x, pk_abs(own->h) * less);
     }
     pk_real grow = growth(it, &r, count);
     if (x.rejected)
         grow = pk_min(grow, 1);
     else if (grow >= 1 && grow <= KEEP)
         grow = 1;
-    r.kept->h = it->own->h;
-    r.kept->error = pk_max(it->own->error, PK_C(0.01));
-    pk_trial_accept(it, &x, pk_abs(it->own->h) * grow, grow >= 1);
+    r.kept->h = own->h;
+    r.kept->error = pk_max(own->error, PK_C(0.01));
+    pk_trial_accept(it, &x, pk_abs(own->h) * grow, grow >= 1);
     return PK_DONE;
 }
 

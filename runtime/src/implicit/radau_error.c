@@ -21,19 +21,12 @@
 static const pk_real E_OF_STAGE[] = {GAMMA * (-13 - 7 * SQRT6) / 3, GAMMA * (-13 + 7 * SQRT6) / 3,
                                      -GAMMA / 3};
 
-/* Returns the factor that scales tolerances as in RADAU5, with the power 2/3 of rtol. */
-static pk_real factor_of(const struct pk_integrator *it)
-{
-    const pk_real rtol = pk_max(it->options.rtol, 10 * PK_EPS);
-    return it->options.rtol > 0 ? PK_C(0.1) / PK_F(cbrt)(rtol) : 1;
-}
-
 void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_parts *r,
                          const pk_real *q, const pk_real *v)
 {
     const struct pk_options *o = &it->options;
     const pk_real rtol = pk_max(o->rtol, 10 * PK_EPS);
-    const pk_real factor = factor_of(it);
+    const pk_real factor = o->rtol > 0 ? PK_C(0.1) / PK_F(cbrt)(rtol) : 1; /* as in RADAU5 */
     /* RADAU5 has the same bound: the remaining iteration error has the same sign in each step. */
     r->kept->enough = o->rtol > 0 ? pk_max(10 * PK_EPS / (factor * rtol),
                                            pk_min(PK_C(0.03), PK_F(sqrt)(factor * rtol)))
@@ -67,8 +60,7 @@ static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
     for (size_t x = 0; x < nn; x++)
         w->M[x] = hg * J[2 * nn + x] - J[nn + x];
     pk_gauss_solve_with(w, w->M, r->dq, &r->E, r->dv);
-    for (size_t k = pk_gauss_read(w); k < n; k++) /* quadratures: their errors follow from those
-                                                     of other variables */
+    for (size_t k = pk_gauss_read(w); k < n; k++) /* errors of quadratures are by others */
         for (size_t i = 0; i < w->places; i++)
             r->dv[k] += hg * (J[3 * nn + k * n + i] + hg * J[2 * nn + k * n + i]) * r->dv[i];
     for (size_t k = 0; k < n; k++) {

@@ -9,15 +9,13 @@ enum { FIRST_LOOK = 1 << 12, LATER_LOOK = 1 << 16 };
 /* largest number of further steps that may be needed, if max_steps is 0 */
 #define MOST_AHEAD PK_C(1e9)
 /* If many trial steps are rejected, and steps are shorter than SHRUNK times the longest rejected
- * one, the error estimates are noise. Then the run ends if it needs more than MOST_SHRUNK / n
- * further steps. */
+ * one, the error estimates are noise. Then the run ends if it needs over MOST_SHRUNK / n steps. */
 #define SHRUNK PK_C(1e-6)
 #define MOST_SHRUNK PK_C(1e7)
 
 struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
 {
-    const pk_real sign = (pk_real)it->own->direction;
-    const pk_real h = sign * it->options.h;
+    const pk_real sign = pk_direction(it), h = sign * it->options.h;
     const pk_real target = it->own->grid.anchor + (it->own->grid.count + 1) * h;
     const pk_real close = 4 * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
     if (pk_abs(target - limit) <= close) /* target and limit differ only by rounding */
@@ -29,11 +27,10 @@ struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
 
 unsigned long pk_step_count(const struct pk_integrator *it, pk_real limit, unsigned long most)
 {
-    /* Since times are rounded, a step that ends within `close` of the limit is the last one, and
-     * does not count. */
+    /* Times are rounded: a step that ends within `close` of the limit is the last one, and does not
+     * count. */
     const pk_real close = 4 * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
-    const pk_real count = (pk_abs(limit - it->t) - close) / it->options.h;
-    const pk_real ceiling = PK_C(1e9);
+    const pk_real count = (pk_abs(limit - it->t) - close) / it->options.h, ceiling = PK_C(1e9);
     if (!(count > 0))
         return 0;
     const unsigned long steps = (unsigned long)(count < ceiling ? count : ceiling);
@@ -42,35 +39,35 @@ unsigned long pk_step_count(const struct pk_integrator *it, pk_real limit, unsig
 
 int pk_often_rejected(const struct pk_integrator *it)
 {
-    const unsigned long tried = it->count.steps + it->count.rejections - it->own->progress.judged;
-    return 4 * (it->count.rejections - it->own->progress.judged_rejections) > tried;
+    const struct pk_progress *p = &it->own->progress;
+    const unsigned long tried = it->count.steps + it->count.rejections - p->judged;
+    return 4 * (it->count.rejections - p->judged_rejections) > tried;
 }
 
 /* Returns whether time hardly advances, so that the run is to end. It checks this whenever the
  * number of trial steps has doubled since the last check; so the result does not depend on the
- * speed of the machine. Progress is the sum of the lengths of the steps, since a caller may go back
- * in time. */
+ * speed of the machine. Progress sums the lengths of steps, since a caller may go back. */
 static int stands_still(struct pk_integrator *it, pk_real left)
 {
+    struct pk_progress *p = &it->own->progress;
     const unsigned long tried = it->count.steps + it->count.rejections;
-    if (tried < FIRST_LOOK || tried / 2 < it->own->progress.judged)
+    if (tried < FIRST_LOOK || tried / 2 < p->judged)
         return 0;
     const unsigned long given = it->options.max_steps;
-    const pk_real rate = (it->own->progress.passed - it->own->progress.judged_passed) /
-                         (pk_real)(tried - it->own->progress.judged);
-    const int shrunk = !given && pk_often_rejected(it) && rate < SHRUNK * it->own->progress.longest;
+    const pk_real rate = (p->passed - p->judged_passed) / (pk_real)(tried - p->judged);
+    const int shrunk = !given && pk_often_rejected(it) && rate < SHRUNK * p->longest;
     const pk_real most = given    ? (pk_real)given
                          : shrunk ? MOST_SHRUNK / (pk_real)it->n
                                   : MOST_AHEAD;
-    const pk_real ahead = shrunk ? pk_abs(left) : pk_min(it->own->progress.passed, pk_abs(left));
+    const pk_real ahead = shrunk ? pk_abs(left) : pk_min(p->passed, pk_abs(left));
     if (ahead > most * rate && (shrunk || tried >= LATER_LOOK)) {
         it->reason = PK_WHY(.value = rate > 0 ? ahead / rate : PK_INFINITY);
         return 1;
     }
-    it->own->progress.judged = tried;
-    it->own->progress.judged_rejections = it->count.rejections;
-    it->own->progress.judged_t = it->t;
-    it->own->progress.judged_passed = it->own->progress.passed;
+    p->judged = tried;
+    p->judged_rejections = it->count.rejections;
+    p->judged_t = it->t;
+    p->judged_passed = p->passed;
     return 0;
 }
 
@@ -93,20 +90,21 @@ static enum pk_status check_step(struct pk_integrator *it, pk_real limit, int fi
 
 enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed)
 {
+    struct pk_integrator_private *const own = it->own;
     PK_TRY(check_step(it, limit, fixed));
     const int direction = limit > it->t ? 1 : -1;
-    if (direction != it->own->direction) {
-        it->own->direction = direction;
-        it->own->grid.anchor = it->t;
-        it->own->grid.count = 0;
-        it->own->h = 0;
+    if (direction != own->direction) {
+        own->direction = direction;
+        own->grid.anchor = it->t;
+        own->grid.count = 0;
+        own->h = 0;
     }
-    it->own->grid.off = 0;
+    own->grid.off = 0;
     if (fixed) {
         const struct pk_planned x = pk_step_planned(it, limit);
-        it->own->h = x.h;
-        it->own->next_t = x.end;
-        it->own->grid.off = x.off_grid;
+        own->h = x.h;
+        own->next_t = x.end;
+        own->grid.off = x.off_grid;
     }
     return PK_DONE;
 }

@@ -17,8 +17,7 @@
 #define OWN ((sizeof(struct pk_integrator_private) + ALIGNED - 1) / ALIGNED * ALIGNED)
 #define PRIVATE (OWN + ALIGNED)
 
-/* fraction of the time to the limit within which forces are looked for if the system starts from
- * rest */
+/* fraction of the time to the limit within which a system at rest is searched for forces */
 #define FROM_REST PK_C(1e-3)
 
 struct pk_options pk_options_default(void)
@@ -27,11 +26,6 @@ struct pk_options pk_options_default(void)
     options.rtol = PK_F(sqrt)(PK_EPS) * PK_C(0.0625); /* this rtol is about 1e-9 in double */
     options.atol = PK_ATOL_OF_MOTION;
     return options;
-}
-
-static size_t work_size(const struct pk_problem *problem, const struct pk_method *method, size_t n)
-{
-    return (method->size ? method->size : pk_splitting_size)(method, problem, n);
 }
 
 /* Divides the memory at `base`, behind the struct `own`, among the pointers of `own`. Returns the
@@ -47,7 +41,7 @@ static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem
         {&own->atol, pk_scale_size(problem, method, n_q, n)},
         {&own->u, system->n_inputs * (1 + PK_LANES)},
         {&own->lane, system->lanes ? 0 : n_q + 2 * n + system->n_inputs},
-        {&own->work, work_size(problem, method, n)},
+        {&own->work, (method->size ? method->size : pk_splitting_size)(method, problem, n)},
         {&own->singularities, pk_singularity_size(singularities, n_q, n)},
         {&own->project, pk_project_size(problem, n)},
         {&own->marks, pk_short_force_size(system, n_q, n)},
@@ -63,8 +57,7 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
     if (!problem || !problem->system || !method || problem->system->abi != PK_ABI)
         return 0;
     struct pk_integrator_private own;
-    const size_t n = pk_system_count(problem->system, problem->params);
-    const size_t n_q = pk_system_coordinates(problem->system, problem->params);
+    const size_t n = pk_count_of(problem), n_q = pk_coordinates_of(problem);
     return PRIVATE + lay_out(&own, problem, method, n_q, n, NULL) * sizeof(pk_real);
 }
 
@@ -93,10 +86,10 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     it->method = method;
     it->options = *options;
     it->t = t0;
-    it->n = system->abi == PK_ABI ? pk_system_count(system, problem->params) : 0;
+    it->n = system->abi == PK_ABI ? pk_count_of(problem) : 0;
     if (it->n == 0)
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_SYSTEM);
-    it->n_q = pk_system_coordinates(system, problem->params);
+    it->n_q = pk_coordinates_of(problem);
     if (block_size < PRIVATE || (size_t)block % _Alignof(pk_real))
         return pk_fail(it, PK_BLOCK_TOO_SMALL, 0);
     const size_t over = (size_t)block % ALIGNED;
@@ -126,8 +119,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         it->own->crossing = NULL;
     if (!system->marks.n)
         it->own->marks = NULL;
-    it->q = pk_state(it, PK_Q);
-    it->v = pk_state(it, PK_V);
+    pk_point(it);
     return pk_integrator_reset(it, t0, q0, v0);
 }
 
@@ -207,14 +199,15 @@ static int are_numbers(const struct pk_integrator *it)
  * status is PK_NO_PROJECTION. */
 static enum pk_status advance(struct pk_integrator *it, pk_real limit)
 {
+    struct pk_integrator_private *const own = it->own;
     enum { CUTS = 12 };
     struct pk_reason reason = {0};
     const pk_real while_at_rest = (limit - it->t) * FROM_REST;
     int raised = 0;
     for (int cuts = 0;; cuts++) {
-        if (it->own->ahead)
-            it->own->ahead->again = cuts == 0 && !raised;
-        enum pk_status status = it->own->step(it, pk_short_force_limit(it, limit));
+        if (own->ahead)
+            own->ahead->again = cuts == 0 && !raised;
+        enum pk_status status = own->step(it, pk_short_force_limit(it, limit));
         if (pk_waits(it))
             return PK_DONE;
         if (status >= 0 && !are_numbers(it))
@@ -224,23 +217,23 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
         if (pushed || (status >= 0 && pk_short_force_reject(it))) {
             cuts--;
             raised |= pushed;
-            it->own->h = pushed ? while_at_rest : it->own->h;
-            it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
+            own->h = pushed ? while_at_rest : own->h;
+            own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
             continue;
         }
         if (status >= 0)
             status = pk_project_step(it);
-        if (status >= 0 && it->own->project && !are_numbers(it))
+        if (status >= 0 && own->project && !are_numbers(it))
             status = PK_NOT_FINITE;
         if (status == PK_STEP_UNDERFLOW && cuts)
             return pk_fail_with(it, PK_NO_PROJECTION, reason);
-        if (status == PK_STEP_UNDERFLOW && it->own->project && pk_project_dependent(it))
+        if (status == PK_STEP_UNDERFLOW && own->project && pk_project_dependent(it))
             return PK_NO_PROJECTION;
         if (status != PK_NO_PROJECTION || !pk_repeats(it) || cuts == CUTS)
             return status;
         reason = it->reason;
-        it->own->h = (it->own->next_t - it->t) / 4;
-        it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
+        own->h = (own->next_t - it->t) / 4;
+        own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
         it->count.rejections++;
     }
 }
@@ -264,7 +257,7 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
         return it->status = PK_DONE;
     }
 
-    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    const int fixed = pk_is_fixed(it->method);
     enum pk_status status = PK_DONE;
     if (!pk_waits(it)) {
         status = pk_step_choose(it, limit, fixed);

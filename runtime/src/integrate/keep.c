@@ -6,8 +6,7 @@
 
 #include "../core/internal.h"
 
-/* number of bytes of the pointers in the private part; they are valid only in this process, so they
- * are not saved */
+/* number of bytes of the pointers in the private part; they are of this process, and not saved */
 #define ADDRESSES offsetof(struct pk_integrator_private, slopes)
 
 static unsigned long long name(const char *text)
@@ -60,18 +59,18 @@ enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k)
     pk_keep_same(k, sizeof kept + sizeof(pk_real));
     pk_keep_same(k, (unsigned long long)(end - first));
     memcpy(&kept, &nowhere, ADDRESSES);
-    pk_keep(k, &kept, sizeof kept);
+    PK_KEEP(k, kept);
     memcpy(&kept, own, ADDRESSES);
-    pk_keep(k, &turned, sizeof turned);
+    PK_KEEP(k, turned);
     pk_keep(k, first, (size_t)(end - first) * sizeof *first);
-    pk_keep(k, &it->t, sizeof it->t);
-    pk_keep(k, &it->last_t, sizeof it->last_t);
-    pk_keep(k, &it->count, sizeof it->count);
-    pk_keep(k, &it->passed_over, sizeof it->passed_over);
-    pk_keep(k, &it->status, sizeof it->status);
-    pk_keep(k, &it->reason, sizeof it->reason);
-    pk_keep(k, &it->event, sizeof it->event);
-    pk_keep(k, &it->options.h, sizeof it->options.h);
+    PK_KEEP(k, it->t);
+    PK_KEEP(k, it->last_t);
+    PK_KEEP(k, it->count);
+    PK_KEEP(k, it->passed_over);
+    PK_KEEP(k, it->status);
+    PK_KEEP(k, it->reason);
+    PK_KEEP(k, it->event);
+    PK_KEEP(k, it->options.h);
     const enum pk_status status = it->method->keep ? it->method->keep(it, k) : PK_DONE;
     k->wrong |= k->from && !sound(it, &kept);
     if (status < 0 || k->wrong)
@@ -79,9 +78,6 @@ enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k)
     *own = kept;
     own->state = turned ? second : first;
     own->next = turned ? first : second;
-    it->q = pk_state(it, PK_Q);
-    it->v = pk_state(it, PK_V);
-    if (it->p)
-        it->p = pk_state(it, PK_P);
+    pk_point(it);
     return PK_DONE;
 }

@@ -23,8 +23,7 @@
  * VII.5; H. C. Andersen, J. Comput. Phys. 52 (1983) 24; J. E. Marsden, S. Pekarsky, S. Shkoller,
  * Nonlinearity 12 (1999) 1647; N. Bou-Rabee, J. E. Marsden, Found. Comput. Math. 9 (2009) 197;
  * S. Hante, M. Arnold, J. Comput. Appl. Math. 387 (2021) 112492; J. C. Simo, K. K. Wong, Int. J.
- * Numer. Methods Eng. 31 (1991) 19.
- */
+ * Numer. Methods Eng. 31 (1991) 19. */
 
 #include "variational.h"
 
@@ -58,8 +57,8 @@ static void add_momenta(const struct pk_variational_work *w, pk_real *p, pk_real
         const pk_real yy = w->h * w->h * pk_dot3(omega, omega) / 16;
         const pk_real weight = w->h / 2 / (1 + yy); /* quaternion of C C: (1 - yy, 2 y)/(1 + yy) */
         const pk_real back[3] = {-weight * omega[0], -weight * omega[1], -weight * omega[2]};
-        const pk_real y[3] = {w->h * omega[0] / 4, w->h * omega[1] / 4, w->h * omega[2] / 4};
-        pk_real G[3], G_end[3], before[3], turned[3], torque[3];
+        pk_real y[3], G[3], G_end[3], before[3], turned[3], torque[3];
+        pk_variational_y(w, omega, y);
         pk_cross(Pi, omega, G);
         pk_cross(Pi_end, omega, G_end);
         for (size_t i = 0; i < 3; i++) {
@@ -130,18 +129,19 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
 
 static enum pk_status variational_step(struct pk_integrator *it, pk_real limit)
 {
+    struct pk_integrator_private *const own = it->own;
     struct pk_variational_work w = pk_variational_parts(it);
     const struct pk_splitting *parts = w.table->parts;
     enum pk_status status = PK_DONE;
     pk_real done = 0;
     (void)limit;
-    pk_copy(it->own->next, it->own->state, pk_state_offset(it->n_q, it->n, PK_PARTS));
-    w.to = it->own->next;
+    pk_copy(own->next, own->state, pk_state_offset(it->n_q, it->n, PK_PARTS));
+    w.to = own->next;
     for (int i = 0; i < parts->stages && status >= 0; i++) {
-        w.t = it->t + done * it->own->h;
+        w.t = it->t + done * own->h;
         done += parts->drift[i];
-        w.end = i + 1 == parts->stages ? it->own->next_t : it->t + done * it->own->h;
-        w.h = parts->drift[i] * it->own->h;
+        w.end = i + 1 == parts->stages ? own->next_t : it->t + done * own->h;
+        w.h = parts->drift[i] * own->h;
         status = part(it, &w);
     }
     return status;

@@ -1,7 +1,6 @@
 /* Shared by the variational methods: the step (variational.c), its equations
  * (variational_equations.c), their solution (variational_solve.c, variational_matrix.c), and the
- * end of the step, where rates are computed from momenta (variational_end.c).
- */
+ * end of the step, where rates are computed from momenta (variational_end.c). */
 #ifndef PK_VARIATIONAL_H
 #define PK_VARIATIONAL_H
 
@@ -69,6 +68,14 @@ static inline struct pk_turning pk_variational_turning(const struct pk_variation
     return pk_system_turning(w->at.system, w->at.params, r);
 }
 
+/* Sets y to h/4 times the rates of a body, half the vector whose Cayley transform turns it. */
+static inline void pk_variational_y(const struct pk_variational_work *w, const pk_real *omega,
+                                    pk_real y[3])
+{
+    for (size_t i = 0; i < 3; i++)
+        y[i] = w->h * omega[i] / 4;
+}
+
 /* Returns the work arrays, which are in it->own->work. */
 struct pk_variational_work pk_variational_parts(const struct pk_integrator *it);
 size_t pk_variational_size(const struct pk_method *method, const struct pk_problem *problem,
@@ -93,15 +100,13 @@ void pk_variational_reach(struct pk_variational_work *w);
 int pk_variational_evaluate(struct pk_integrator *it, struct pk_variational_work *w);
 /* Computes the residual r(V), n numbers, after pk_variational_evaluate(); 0 for quaternions. */
 void pk_variational_residual(const struct pk_variational_work *w, pk_real *out);
-/* Returns the largest of w->scale. */
-pk_real pk_variational_most(const struct pk_variational_work *w);
 /* Replaces r(V) in w->dV by the correction of V, and corrects w->kick: by Newton's method if
  * `newton` is nonzero, otherwise with the matrix M. phi and J are those at the end. Returns the
  * sign of the determinant of the matrix (1 at h = 0), or 0 if it is singular. */
 int pk_variational_correction(struct pk_integrator *it, struct pk_variational_work *w, int newton);
 /* Solves for V and w->kick of one part of the step, which begins at w->to. Also sets momenta and
- * forces for this V, and the state at the end. Returns PK_NO_CONVERGENCE or PK_AMBIGUOUS_STEP on
- * failure. */
+ * forces for this V, and the state at the end. May return PK_NO_CONVERGENCE or
+ * PK_AMBIGUOUS_STEP. */
 enum pk_status pk_variational_solve(struct pk_integrator *it, struct pk_variational_work *w);
 /* Solves for the rates v that have the momenta p (n numbers each) at the end w->to, and corrects
  * both so that J v + j0 = 0; low_p holds the low part of p. Returns PK_NO_CONVERGENCE,

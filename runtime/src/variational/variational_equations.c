@@ -1,9 +1,8 @@
-/* The equations of a variational step as residuals r(V) of the rates V at its middle; variational.c
- * states the equations. */
+/* The equations of a variational step (variational.c) as residuals r(V) of rates V at its
+ * middle. */
 
 #include "variational.h"
 
-/* Computes the end and the middle of the step from V. */
 void pk_variational_reach(struct pk_variational_work *w)
 {
     const size_t n = w->n;
@@ -20,10 +19,10 @@ void pk_variational_reach(struct pk_variational_work *w)
     }
     for (size_t r = 0; r < w->turned; r++) {
         const struct pk_turning at = pk_variational_turning(w, r);
-        pk_real Q[4], omega[3], added[4], middle[4];
+        pk_real Q[4], omega[3], y[3], added[4], middle[4];
         pk_gather(Q, v + at.number, 4, at.step);
         pk_gather(omega, w->V + at.rate, 3, at.step);
-        const pk_real y[3] = {w->h * omega[0] / 4, w->h * omega[1] / 4, w->h * omega[2] / 4};
+        pk_variational_y(w, omega, y);
         const pk_real yy = pk_dot3(y, y), weight = 2 / (1 + yy);
         const pk_real u[3] = {weight * y[0], weight * y[1], weight * y[2]};
         pk_quaternion_times(Q, -weight * yy, u, added);
@@ -40,7 +39,6 @@ void pk_variational_reach(struct pk_variational_work *w)
     }
 }
 
-/* Evaluates momenta and forces at the middle, or at the start with rates V and at the end. */
 int pk_variational_evaluate(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const size_t n = w->n;
@@ -72,10 +70,10 @@ void pk_variational_residual(const struct pk_variational_work *w, pk_real *out)
     }
     for (size_t r = 0; r < w->turned; r++) {
         const struct pk_turning at = pk_variational_turning(w, r);
-        pk_real omega[3], Pi[3], G[3], P[3], across[3];
+        pk_real omega[3], y[3], Pi[3], G[3], P[3], across[3];
         pk_gather(omega, w->V + at.rate, 3, at.step);
         pk_gather(Pi, w->p + at.rate, 3, at.step);
-        const pk_real y[3] = {w->h * omega[0] / 4, w->h * omega[1] / 4, w->h * omega[2] / 4};
+        pk_variational_y(w, omega, y);
         pk_cross(Pi, omega, G);
         for (size_t i = 0; i < 3; i++) {
             const size_t k = at.rate + i * at.step;

@@ -3,14 +3,6 @@
 
 #include "variational.h"
 
-pk_real pk_variational_most(const struct pk_variational_work *w)
-{
-    pk_real most = 0;
-    for (size_t k = 0; k < w->n; k++)
-        most = pk_max(most, w->scale[k]);
-    return most;
-}
-
 static size_t unknowns(const struct pk_variational_work *w) { return w->m + (w->n - w->states); }
 static size_t place(const struct pk_variational_work *w, size_t i)
 {
@@ -39,8 +31,7 @@ static void solve(const struct pk_variational_work *w, int newton, pk_real *x)
 static int differences(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const size_t count = unknowns(w);
-    const pk_real e = PK_F(sqrt)(PK_EPS);
-    const pk_real more = PK_VARIATIONAL_SHARE * pk_variational_most(w);
+    const pk_real e = PK_F(sqrt)(PK_EPS), more = PK_VARIATIONAL_SHARE * pk_largest(w->scale, w->n);
     pk_real *column = w->spare;
     for (size_t j = 0; j < count; j++) {
         const size_t k = place(w, j);
@@ -69,9 +60,9 @@ static void end_by_rates(const struct pk_variational_work *w, const pk_real *J, 
     for (size_t k = 0; k < w->rotation; k++)
         row[k] = w->h * J[k];
     for (size_t k = w->rotation; k < w->m; k += 3) {
-        const pk_real *V = w->V + k, y[3] = {w->h * V[0] / 4, w->h * V[1] / 4, w->h * V[2] / 4};
+        pk_real y[3], both[3], across[3];
+        pk_variational_y(w, w->V + k, y);
         const pk_real weight = w->h / 2 / (1 + pk_dot3(y, y));
-        pk_real both[3], across[3];
         pk_cayley_turn(y, 1, J + k, both);
         for (size_t l = 0; l < 3; l++)
             both[l] += J[k + l];
@@ -88,7 +79,8 @@ static void rates_by_kick(const struct pk_variational_work *w, int newton, const
     pk_copy(by, J, w->m);
     pk_zero(by + w->m, w->n - w->m);
     for (size_t k = w->rotation; k < w->m; k += 3) {
-        const pk_real *V = w->V + k, y[3] = {w->h * V[0] / 4, w->h * V[1] / 4, w->h * V[2] / 4};
+        pk_real y[3];
+        pk_variational_y(w, w->V + k, y);
         pk_cayley_turn(y, -1, by + k, by + k);
     }
     solve(w, newton, by);
@@ -107,35 +99,28 @@ static int constrain(struct pk_variational_work *w, int newton)
         mu[i] = -w->at.phi[i];
         for (size_t k = 0; k < w->m; k++)
             mu[i] -= row[k] * w->dV[k];
-        for (size_t j = 0; j < c; j++) {
-            A[i * c + j] = 0;
-            for (size_t k = 0; k < w->m; k++)
-                A[i * c + j] += row[k] * by[j * n + k];
-        }
+        for (size_t j = 0; j < c; j++)
+            A[i * c + j] = pk_dot(row, by + j * n, w->m);
     }
     if (!pk_lu_factor(A, w->A_pivot, c))
         return 0;
     pk_lu_solve(A, w->A_pivot, c, mu);
-    for (size_t j = 0; j < c; j++) {
-        w->kick[j] += mu[j];
-        for (size_t k = 0; k < n; k++)
-            w->dV[k] += mu[j] * by[j * n + k];
-    }
+    pk_add(w->kick, 1, mu, c);
+    for (size_t j = 0; j < c; j++)
+        pk_add(w->dV, mu[j], by + j * n, n);
     int sign;
     pk_lu_determinant(A, w->A_pivot, c, &sign);
     return w->h < 0 && c % 2 ? -sign : sign;
 }
 
-/* For families: solves with [M J^T; J 0] of the start. J at the end only differs by its change in
- * one step. */
+/* For families: solves with [M J^T; J 0] of the start. J at the end is near that. */
 static void constrain_by_mass(const struct pk_variational_work *w)
 {
     pk_real *mu = w->at.mu;
     for (size_t i = 0; i < w->c; i++)
         mu[i] = -w->at.phi[i] / w->h;
     w->at.system->constraints.solve(w->at.params, w->dV, mu, w->dV, mu);
-    for (size_t i = 0; i < w->c; i++)
-        w->kick[i] += mu[i];
+    pk_add(w->kick, 1, mu, w->c);
 }
 
 int pk_variational_correction(struct pk_integrator *it, struct pk_variational_work *w, int newton)

@@ -6,8 +6,7 @@
  * not change sign. Derivatives of phi are always exact.
  *
  * An iteration ends as in newton.c, far below round-off, with phi within the rounding of its terms.
- * For this, the scale of a coordinate includes its terms in phi divided by J.
- */
+ * For this, the scale of a coordinate includes its terms in phi divided by J. */
 
 #include "variational.h"
 
@@ -119,7 +118,7 @@ static void raise_scale(struct pk_variational_work *w)
 /* Returns the largest |dV| relative to its scale plus the fraction `share` of the largest scale. */
 static pk_real corrected(const struct pk_variational_work *w, pk_real share)
 {
-    const pk_real more = share * pk_variational_most(w);
+    const pk_real more = share * pk_largest(w->scale, w->n);
     pk_real size = 0;
     for (size_t k = 0; k < w->n; k++) {
         const pk_real x = pk_abs(w->dV[k]) / (w->scale[k] + more);
@@ -138,8 +137,8 @@ static void pull(struct pk_integrator *it, struct pk_variational_work *w)
                     w->kick, w->pull);
 }
 
-/* Iterates from V and w->kick. Returns 1 on convergence, otherwise 0. Sets *sign to the sign of the
- * last determinant. */
+/* Iterates from V and w->kick. Returns 1 on convergence, else 0. Sets *sign to the sign of the last
+ * determinant. */
 static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int newton, int *sign)
 {
     const int most = it->options.max_iterations > 0 ? it->options.max_iterations
@@ -175,8 +174,7 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
             small = size <= (count ? PK_EPS / 4 : PK_VARIATIONAL_BIAS) ||
                     (rate < 1 && size * rate / (1 - rate) <= PK_VARIATIONAL_BIAS) ||
                     (count && rate > PK_C(0.5) && corrected(w, PK_VARIATIONAL_SHARE) <= STALLED);
-        for (size_t k = 0; k < w->n; k++)
-            w->V[k] += w->dV[k];
+        pk_add(w->V, 1, w->dV, w->n);
         idle = count && size >= least ? idle + 1 : 0;
         least = count ? pk_min(least, size) : size;
         before = size;
@@ -226,8 +224,7 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_variational_wor
 }
 
 /* Returns whether the forces at the middle are close to those at the start or, with `ends`, the
- * momenta at the end are close to those at the start. The iteration then contracts for all shorter
- * steps too. */
+ * momenta at the end are close to those at the start. It then contracts for shorter steps too. */
 static int is_gentle(struct pk_variational_work *w)
 {
     for (size_t k = 0; k < w->n; k++) {

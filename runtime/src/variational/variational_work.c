@@ -8,34 +8,15 @@ static size_t lay_out(struct pk_variational_work *w, const struct pk_system *sys
     w->whole = !system->families.diagonal;
     const size_t nn = w->whole ? n * n : 0;
     pk_real *M = NULL;
-    const struct pk_slot slots[] = {{&w->V, n},
-                                    {&w->dV, n},
-                                    {&w->scale, n},
-                                    {&w->p, n},
-                                    {&w->f, n},
-                                    {&w->p_end, n},
-                                    {&w->f_end, n},
-                                    {&w->f_start, n},
-                                    {&w->q_at, w->rotation},
-                                    {&w->v_at, n},
-                                    {&w->q_end, w->rotation},
-                                    {&w->v_end, n},
-                                    {&w->low_q, w->rotation},
-                                    {&w->low_v, n},
-                                    {&w->kick, n},
-                                    {&w->pull, n},
-                                    {&w->root, n},
-                                    {&w->spare, n},
-                                    {&w->last_V, n},
-                                    {&w->last_h, 1},
-                                    {&w->kept, n},
-                                    {&w->slope, n},
-                                    {&w->pivot, n},
-                                    {&w->kept_kick, n},
-                                    {&w->A_pivot, n},
-                                    {&w->J, nn},
-                                    {&w->lu, nn},
-                                    {&M, w->whole ? nn : n}};
+    /* clang-format off */
+    const struct pk_slot slots[] = {
+        {&w->V, n}, {&w->dV, n}, {&w->scale, n}, {&w->p, n}, {&w->f, n}, {&w->p_end, n},
+        {&w->f_end, n}, {&w->f_start, n}, {&w->q_at, w->rotation}, {&w->v_at, n},
+        {&w->q_end, w->rotation}, {&w->v_end, n}, {&w->low_q, w->rotation}, {&w->low_v, n},
+        {&w->kick, n}, {&w->pull, n}, {&w->root, n}, {&w->spare, n}, {&w->last_V, n},
+        {&w->last_h, 1}, {&w->kept, n}, {&w->slope, n}, {&w->pivot, n}, {&w->kept_kick, n},
+        {&w->A_pivot, n}, {&w->J, nn}, {&w->lu, nn}, {&M, w->whole ? nn : n}};
+    /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
     w->at.M = w->whole || !system->constraints.factor ? M : w->at.M;
     return size;
@@ -57,8 +38,7 @@ struct pk_variational_work pk_variational_parts(const struct pk_integrator *it)
     w.n = it->n;
     w.turned = pk_system_rotations(problem->system, problem->params);
     /* Without constraints, `at` is in the work memory, and only its M is used. */
-    w.at =
-        pk_project_parts(&it->problem, it->n, it->own->project ? it->own->project : it->own->work);
+    w.at = pk_project_parts(problem, it->n, it->own->project ? it->own->project : it->own->work);
     w.c = w.at.c;
     w.m = w.at.m;
     w.rotation = w.at.rotation;

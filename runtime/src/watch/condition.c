@@ -25,7 +25,7 @@ static size_t lay_out(struct parts *w, const struct pk_problem *problem,
                       const struct pk_method *method, pk_real *base)
 {
     const struct pk_system *system = problem->system;
-    const size_t n = pk_system_count(system, problem->params), c = system->constraints.n;
+    const size_t n = pk_count_of(problem), c = system->constraints.n;
     w->n = n;
     w->most = unknowns(system, method, n);
     w->most = w->most > n ? w->most : n;
@@ -104,8 +104,7 @@ static pk_real scaled(struct parts *w, size_t m)
     return radius(w, m);
 }
 
-/* Returns the condition number of A from its factors L D L^T. The upper triangle of `factors` still
- * holds that of A. */
+/* Returns the condition number of A by its factors L D L^T; the upper triangle is still A's. */
 static pk_real of_ldl(struct parts *w, const pk_real *factors, size_t m)
 {
     for (size_t i = 0; i < m; i++) {

@@ -1,7 +1,6 @@
 /* Drift of constants of the motion, online. The slope comes from Welford's update of means and
  * co-moments, which avoids the cancellation in sums of t^2 and t x. Reference: B. P. Welford,
- * Technometrics 4 (1962) 419; T. F. Chan, G. H. Golub, R. J. LeVeque, Am. Stat. 37 (1983) 242.
- */
+ * Technometrics 4 (1962) 419; T. F. Chan, G. H. Golub, R. J. LeVeque, Am. Stat. 37 (1983) 242. */
 #include <string.h>
 
 #include <pk/diagnostics.h>
@@ -38,8 +37,7 @@ void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_rea
         drift->marks[drift->n_marks++ % PK_DRIFT_MARKS] = drift->max;
     drift->samples++;
     /* A NaN must enter a maximum and stay there. The first comparison of each condition is false
-     * for a new NaN, which is then stored; the second one is false for a stored NaN, which then
-     * stays. */
+     * for a new NaN, which is then stored; the second one for a stored NaN, which stays. */
     if (!(pk_abs(scale) <= drift->scale) && drift->scale >= 0)
         drift->scale = pk_abs(scale);
     if (!(pk_abs(d) <= drift->max) && drift->max >= 0)
@@ -73,8 +71,7 @@ pk_real pk_drift_slope(const struct pk_drift *drift)
     return drift->var_t > 0 ? scaled(drift, drift->cov / drift->var_t) : 0;
 }
 
-/* Returns the slope of ln(largest deviation) over ln t by least squares, from the marks first ..
- * last. */
+/* Returns the slope of ln(largest deviation) over ln t by least squares, at marks first .. last. */
 static pk_real exponent_of(const struct pk_drift *drift, unsigned long first, unsigned long last)
 {
     const pk_real count = (pk_real)(last - first + 1), middle = (pk_real)(last - first) / 2;
@@ -147,7 +144,7 @@ const char *pk_growth_text(enum pk_growth growth)
 static size_t momenta_of(const struct pk_problem *problem)
 {
     const struct pk_system *system = problem->system;
-    return system->cyclic && system->canonical ? pk_system_count(system, problem->params) : 0;
+    return system->cyclic && system->canonical ? pk_count_of(problem) : 0;
 }
 
 static size_t drift_reals(size_t count)
@@ -158,8 +155,7 @@ static size_t drift_reals(size_t count)
 size_t pk_monitor_size(const struct pk_problem *problem)
 {
     const struct pk_system *system = problem->system;
-    const size_t n = pk_system_count(system, problem->params);
-    const size_t constants = momenta_of(problem) + system->n_conserved;
+    const size_t n = pk_count_of(problem), constants = momenta_of(problem) + system->n_conserved;
     return (drift_reals(constants) + 5 * n + system->n_inputs + system->n_conserved +
             3 * constants) *
            sizeof(pk_real);
@@ -257,7 +253,7 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
 {
     const struct pk_problem *problem = &monitor->problem;
     const struct pk_system *system = problem->system;
-    const size_t n = pk_system_count(system, problem->params);
+    const size_t n = pk_count_of(problem);
     pk_real *p = monitor->work, *pdot = p + n, *u = pdot + n, *c = u + system->n_inputs;
 
     if (system->n_inputs)
@@ -266,9 +262,7 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
         system->canonical(problem->params, t, q, v, u, p, pdot);
     if (monitor->has_energy) {
         const pk_real h = system->energy(problem->params, t, q, v, u);
-        pk_real vp = 0;
-        for (size_t i = 0; i < pk_system_coordinates(system, problem->params); i++)
-            vp += v[i] * p[i];
+        const pk_real vp = pk_dot(v, p, pk_coordinates_of(problem));
         pk_drift_update_scaled(&monitor->energy, t, h, pk_abs(vp) + pk_abs(vp - h));
     }
     for (size_t i = 0; i < n; i++)
@@ -291,7 +285,7 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
 void pk_drift_keep(struct pk_drift *drift, struct pk_keep *k)
 {
     enum { MOST = 1 << 16 };
-    pk_keep(k, drift, sizeof *drift);
+    PK_KEEP(k, *drift);
     const int grows = drift->edge >= PK_TINY || !(drift->edge < 0 || drift->edge > 0);
     k->wrong |= k->from && (drift->n_marks > MOST || !pk_finite(drift->start) || !grows);
 }

@@ -21,8 +21,7 @@ struct pk_ahead {
     pk_real from, end, h;
     int ready; /* 1: a step from the integrator's current state is available */
     int clear; /* 1: the step crosses no event and no switch */
-    /* number of steps that the lane made at once because none needs a check for events;
-     * otherwise 0 */
+    /* number of steps that the lane made at once, as none needs a check for events; or 0 */
     unsigned long many;
     unsigned long cost; /* number of accelerations per step */
     int taken;          /* 1: the integrator has taken the step, so that `next` is its state */
@@ -32,8 +31,7 @@ struct pk_ahead {
     struct pk_trial trial;
 };
 
-/* Returns whether the step from t to `end` was computed in advance. If another step was, it is
- * discarded. */
+/* Returns whether the step from t to `end` was computed in advance. Any other is discarded. */
 static inline int pk_ahead_serves(struct pk_ahead *a, pk_real t, pk_real h, pk_real end)
 {
     if (!a)

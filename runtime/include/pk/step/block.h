@@ -8,8 +8,7 @@
 
 #define PK_BLOCK_MOST 64
 
-/* A block of W states. `state` and `next` have W times as many numbers as the same arrays of an
- * integrator. */
+/* A block of W states. `state` and `next` have W times the numbers of an integrator's. */
 struct pk_block {
     const struct pk_system *system;
     size_t n_q, n, lanes;
@@ -27,8 +26,7 @@ struct pk_block {
 };
 
 PK_BEGIN
-/* Adds the bits `failed` to b->failed, and sets the bits of b->not_finite for those lanes whose
- * states are not finite. */
+/* Adds the bits `failed` to b->failed, and to b->not_finite those of states that are not. */
 void pk_block_failed(struct pk_block *b, unsigned long long failed, const pk_real *q,
                      const pk_real *v);
 PK_END
@@ -52,8 +50,7 @@ static PK_INLINE unsigned long long pk_block_not_finite(const pk_real *x, size_t
     return bits;
 }
 
-/* Computes y = y0 + h sum a_j k_j in each lane with its own h. The vectors k_j begin `stride`
- * numbers apart. */
+/* Computes y = y0 + h sum a_j k_j in each lane with its own h. k_j are `stride` apart. */
 static PK_INLINE void pk_block_combine(size_t rows, size_t W, pk_real *PK_RESTRICT y,
                                        const pk_real *PK_RESTRICT y0, const pk_real *PK_RESTRICT h,
                                        const pk_real *a, int count, const pk_real *PK_RESTRICT k,
@@ -129,7 +126,7 @@ static PK_INLINE void pk_block_kick(size_t n_q, size_t n, size_t W, const pk_rea
 
 /* Returns the number of pk_real of work memory for s stages, the derivative at the end, and the
  * coordinates of a stage. For each of these, memory has 2 n W numbers: the n W rates and
- * first-order variables of the stage, of which the first n_q W are slopes of coordinates, and n W
+ * first-order variables of the stage, the first n_q W slopes of coordinates, then n W
  * accelerations. */
 static inline size_t pk_block_reals(int stages, size_t n_q, size_t n, size_t W)
 {

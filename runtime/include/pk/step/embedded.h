@@ -1,11 +1,10 @@
-/* Adaptive explicit Runge-Kutta methods on y = (q, v): error estimate by an embedded formula, step
- * size by PI control
+/* Adaptive explicit Runge-Kutta methods on y = (q, v): error by an embedded formula, PI control
  *
  *     h_new = h * clamp(safety * err^(-alpha) * err_old^beta),  alpha = 1/k - 3/4 beta
  *
  * alpha and beta depend on the table; k is the order of the error estimate. This file has the code
- * that each step runs, with the macros of pk/inlined.h; the first step size and dense output are
- * computed in the library.
+ * that each step runs, with the macros of pk/inlined.h; first step size and dense output are in the
+ * library.
  *
  * References: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, II.4
  * (4.13)-(4.14), II.5, II.10; E. Hairer, G. Wanner, ... II, IV.2; K. Gustafsson, ACM TOMS 17 (1991)
@@ -46,8 +45,7 @@ PK_BEGIN
 enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit);
 PK_END
 
-/* Returns the root mean square, over all numbers of (q, v), of the estimated error of the step
- * relative to the tolerance. */
+/* Returns the root mean square over (q, v) of the estimated error relative to the tolerance. */
 static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it, const struct pk_tableau *table,
                                            const struct pk_embedded_work *w, pk_real h)
 {

@@ -6,8 +6,7 @@
  *     PK_STEPPER(x)                   x with a name that is unique in this file
  *     PK_BLOCK_N(b), PK_BLOCK_LANES(b)    length of v, W
  *     PK_BLOCK_COORDINATES(b)         number of coordinates
- *     PK_BLOCK_MEMBERS(b, q, v, a)    accelerations at b->t; the bits of lanes that failed
- */
+ *     PK_BLOCK_MEMBERS(b, q, v, a)    accelerations at b->t; the bits of lanes that failed */
 #include <pk/step/block.h>
 #include <pk/step/tables.h>
 

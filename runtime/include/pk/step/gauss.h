@@ -6,8 +6,7 @@
  *
  * Fixed-point iteration solves these equations: all stages of an iterate are evaluated at once. The
  * first iterate is extrapolated from the polynomial through the a_j of the last step. The iteration
- * ends when its error, estimated from the convergence rate, is below the tolerance. The sums for q1
- * and v1 are compensated.
+ * ends when its error, by the convergence rate, is below the tolerance. q1 and v1 are compensated.
  *
  * Step size control as in IAS15: the last two Legendre coefficients of the polynomial give their
  * decay rate theta, and the error is h |a| theta^16. The error of the step is estimated as soon as
@@ -27,13 +26,11 @@
 #define PK_STEP_GAUSS_H
 #define PK_GAUSS_METHODS(X) PK_METHODS_GAUSS(PK_NAME_OF, X)
 
-/* The following constants were chosen for the least work at a given final error, on pkgen's models
- * and other problems. */
+/* These constants were chosen for the least work at a given final error, on pkgen's models. */
 #define PK_GAUSS_SAFETY PK_C(0.9)
 /* log of the largest accepted error, which is 10 times the tolerance */
 #define PK_GAUSS_ACCEPT_LOG PK_C(2.302585092994046)
-/* the Legendre coefficient a_7 counts as resolved if the squared error of the iterate is below
- * 10 a_7^2 */
+/* the Legendre coefficient a_7 is resolved if the squared error of the iterate is below 10 a_7^2 */
 #define PK_GAUSS_RESOLVED PK_C(10.0)
 #define PK_GAUSS_GROW PK_C(3.0)
 #define PK_GAUSS_SHRINK PK_C(0.2)
@@ -69,9 +66,8 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it
         const int close = asked_for > 0 ? y->change2 <= asked_for * asked_for * y->size2
                                         : rate < 1 && left2 <= (1 - rate) * (1 - rate);
         const int done = close || y->change2 <= round || stalled;
-        /* d6 and d7: the step is rejected if the square of one of the last two Legendre coefficients
-         * is larger. They are compared as soon as the iterates are more exact than the
-         * coefficients. */
+        /* d6 and d7: the step is rejected if the square of one of the last two Legendre
+         * coefficients is larger. They are compared once the iterates are more exact. */
         const pk_real d = *w->decay, d6 = (d * d * d) * (d * d * d) * y->size2, d7 = d6 * d;
         if (done || (!asked && left2 < PK_GAUSS_RESOLVED * d7)) {
             pk_real six2, seven2;
@@ -99,8 +95,7 @@ static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
     const size_t n_q = PK_STEPPER_COORDINATES(it), n = PK_STEPPER_N(it);
     pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V);
     pk_real *low_q = pk_next(it, PK_LOW_Q), *low_v = pk_next(it, PK_LOW_X);
-    const pk_real *old_q = pk_state(it, PK_LOW_Q);
-    const pk_real *old_v = pk_state(it, PK_LOW_X);
+    const pk_real *old_q = pk_state(it, PK_LOW_Q), *old_v = pk_state(it, PK_LOW_X);
     pk_real hb[PK_GAUSS_S], left[PK_GAUSS_S];
     for (int l = 0; l < PK_GAUSS_S; l++) {
         hb[l] = y->h * pk_gauss8_b[l];
@@ -136,8 +131,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
         PK_TRY(PK_STEPPER(acceleration)(it, it->t, it->q, it->v, pk_next(it, PK_A)));
         if (!pk_all_finite(pk_next(it, PK_A), n))
             return PK_NOT_FINITE;
-        it->own->h = (pk_real)it->own->direction *
-                     pk_first_step(it, pk_next(it, PK_A), PK_C(0.1), limit);
+        it->own->h = pk_direction(it) * pk_first_step(it, pk_next(it, PK_A), PK_C(0.1), limit);
         *w.decay = 0;
     }
     struct pk_trial x = pk_trial(it, limit);

@@ -17,8 +17,7 @@
 #endif
 
 /* Computes a b + c with one rounding where fma() is fast, which halves the instructions of a
- * matrix-vector product. It is explicit because contraction by the compiler may be off; see
- * build.py. */
+ * matrix-vector product. It is explicit, as contraction may be off (build.py). */
 #ifdef PK_HAVE_FMA
 #define PK_GAUSS_FMA(a, b, c) PK_F(fma)(a, b, c)
 #else
@@ -39,8 +38,7 @@ enum { PK_GAUSS_S = PK_LANES, PK_GAUSS_NODES = 2 * PK_LANES };
 
 /* The work memory: arrays of n by 8, unless another shape is given. */
 struct pk_gauss_lanes {
-    /* a, next_a: the current and the next iterate; q (n_q by 8), v: coordinates and rates at the
-     * stages */
+    /* a, next_a: the current and the next iterate; q (n_q by 8), v: those at the stages */
     pk_real *a, *next_a, *q, *v;
     pk_real *u; /* inputs at the stages */
     /* coefficients of the polynomial a(t) of the last step, in powers of (t - its end)/h */
@@ -48,8 +46,7 @@ struct pk_gauss_lanes {
     pk_real *weight; /* weights of errors in a, n numbers */
     /* state at the start of the last step, n_q + n numbers; the n weights of that step */
     pk_real *start, *last_weight;
-    /* one number each: size and convergence rate of the last step; largest theta^2 that the next
-     * step may have */
+    /* one number each: size and convergence rate of the last step; largest theta^2 of the next */
     pk_real *h, *rate, *decay;
     struct pk_gauss_matrices *M;
     pk_real *dense; /* work memory of gauss_dense.c */
@@ -82,8 +79,7 @@ static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, siz
     return w;
 }
 
-/* Computes y = M x. Each lane has one sum, which is computed in two halves so that the latencies of
- * their additions overlap. */
+/* Computes y = M x. Each lane has one sum, in two halves whose additions overlap. */
 static inline void pk_gauss_rows(const pk_real *PK_RESTRICT M, const pk_real *PK_RESTRICT x,
                                  pk_real *PK_RESTRICT y)
 {
@@ -168,8 +164,7 @@ static inline enum pk_status PK_STEPPER(gauss_predict)(struct pk_integrator *it,
             x[k] = w->poly[i * PK_GAUSS_S + (size_t)k] * power[k];
         pk_gauss_rows(w->M->powers, x, w->a + i * PK_GAUSS_S);
     }
-    /* This convergence rate is used until a rate has been measured. It is so large that the first
-     * iterate is never accepted. */
+    /* This convergence rate is used until one is measured. The first iterate is never accepted. */
     y->rate = pk_max(pk_min(*w->rate * r * r, PK_C(0.5)), PK_GAUSS_RATE_LEAST);
     return PK_DONE;
 }
@@ -208,12 +203,10 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
                                              const struct pk_gauss_trial *y)
 {
     const size_t n_q = PK_STEPPER_COORDINATES(it), n = PK_STEPPER_N(it);
-    const pk_real h = pk_abs(y->h);
-    const pk_real rtol = PK_GAUSS_SHARE * pk_max(it->options.rtol, 2 * PK_EPS);
+    const pk_real h = pk_abs(y->h), rtol = PK_GAUSS_SHARE * pk_max(it->options.rtol, 2 * PK_EPS);
     for (size_t i = 0; i < n; i++) {
         const size_t last = i * PK_GAUSS_S + PK_GAUSS_S - 1;
-        /* The change of v in the step is included in the size of v, since v may be zero at the
-         * start. */
+        /* The size of v includes its change in the step, since v may be zero at the start. */
         const pk_real moved = y->h * w->next_a[last], v0 = it->v[i];
         const pk_real v = pk_max(pk_abs(v0), pk_abs(moved));
         w->weight[i] = h / (PK_GAUSS_SHARE * it->own->atol[n_q + i] + rtol * v + PK_TINY);
@@ -225,8 +218,7 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
     }
 }
 
-/* Computes the acceleration a in all lanes. If it fails in a lane, it is evaluated again for this
- * lane alone, to find the cause. */
+/* Computes the acceleration a in all lanes. A lane that fails is evaluated alone, for the cause. */
 static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it, const pk_real *t,
                                                         const pk_real *q, const pk_real *v,
                                                         pk_real *u, pk_real *a)
@@ -243,8 +235,7 @@ static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it
     it->count.iterations++;
     for (size_t l = 0; failed; l++, failed >>= 1)
         if (failed & 1) {
-            pk_real *q1 = pk_next(it, PK_Q), *v1 = pk_next(it, PK_V);
-            pk_real *a1 = pk_next(it, PK_A);
+            pk_real *q1 = pk_next(it, PK_Q), *v1 = pk_next(it, PK_V), *a1 = pk_next(it, PK_A);
             for (size_t i = 0; i < n_q; i++)
                 q1[i] = q[i * PK_GAUSS_S + l];
             for (size_t i = 0; i < n; i++)
@@ -275,8 +266,7 @@ static inline int PK_STEPPER(gauss_compare)(struct pk_integrator *it,
             a[l] = b[l];
         }
     }
-    const pk_real mean = 1 / (pk_real)(PK_GAUSS_S * n);
-    const pk_real before = y->change2;
+    const pk_real mean = 1 / (pk_real)(PK_GAUSS_S * n), before = y->change2;
     y->size2 = mean * pk_gauss_sum(size);
     y->change2 = mean * pk_gauss_sum(change);
     if (y->count > 0)

@@ -21,8 +21,7 @@
 
 /* Parts of it->own->state and it->own->next: q, v, p, the low parts of q and of v or p
  * (compensations of their sums), and the acceleration at this state, which the next step may reuse.
- * q and its low part have n_q numbers, the others n; the last n - n_q of v are first-order
- * variables. */
+ * q and its low part have n_q numbers, the others n; the last n - n_q are first-order. */
 enum { PK_Q, PK_V, PK_P, PK_LOW_Q, PK_LOW_X, PK_A, PK_PARTS };
 
 /* Returns the offset of a part of the state. */

@@ -13,8 +13,7 @@
 #define PK_HAVE_FMA
 #endif
 
-/* The times of fixed steps, which form a grid: t = anchor + count * h, computed without a running
- * sum. */
+/* The times of fixed steps, which form a grid: t = anchor + count * h, without a running sum. */
 struct pk_grid {
     pk_real anchor, count;
     /* 1: the current step is shorter than h, so its end becomes the anchor of a new grid */
@@ -48,8 +47,7 @@ struct pk_short_force {
     /* reach: largest length of the next step (0: no limit); rise: that of the step after it */
     pk_real reach, rise;
     pk_real calm; /* length of the last step in which the marks hardly changed */
-    /* range: largest change of a mark in the trial step; varied: the part of the change in which
-     * the force varies */
+    /* range: largest change of a mark in the trial step; varied: that while the force varies */
     pk_real range, varied;
 };
 
@@ -62,8 +60,7 @@ struct pk_trouble {
 
 /* The private part of an integrator, it->own; only for methods and the runtime. */
 struct pk_integrator_private {
-    /* Pointers, which a saved integrator (pk/keep.h) does not contain. All members before `slopes`
-     * belong to this group. */
+    /* Pointers, which a saved integrator (pk/keep.h) does not contain. They end before `slopes`. */
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* step function */
     pk_real *state, *next;  /* two states, with the parts listed in pk/step/numbers.h */
     pk_real *u, *work;      /* u: inputs at one time, then inputs for each lane */
@@ -106,6 +103,12 @@ static inline pk_real *pk_next(const struct pk_integrator *it, int part)
     return pk_part(it->own->next, it->n_q, it->n, part);
 }
 
+/* Returns the sign of the steps. */
+static inline pk_real pk_direction(const struct pk_integrator *it)
+{
+    return (pk_real)it->own->direction;
+}
+
 /* Returns the tolerance of number i of (q, v), with values a before and b after the step. */
 static inline pk_real pk_tolerance(const struct pk_integrator *it, size_t i, pk_real a, pk_real b)
 {
@@ -120,13 +123,11 @@ static inline pk_real pk_scale_known(pk_real tolerance)
 }
 
 PK_BEGIN
-/* Updates it->own->atol for a trial step of length h: the error by rounding of forces, which grows
- * with h, is tolerated. */
+/* Updates it->own->atol for a trial step of length h: the rounding of forces grows with h. */
 void pk_scale_attempt(const struct pk_integrator *it, pk_real h);
 PK_END
 
-/* Returns whether the current step, of length h, was computed in a lane. If so, the caller must use
- * its result. */
+/* Returns whether the current step, of length h, was computed in a lane; the caller must use it. */
 static inline int pk_is_ahead(const struct pk_integrator *it, pk_real h)
 {
     return pk_ahead_serves(it->own->ahead, it->t, h, it->own->next_t);
@@ -138,15 +139,14 @@ static inline int pk_waits(const struct pk_integrator *it)
     return it->own->ahead && it->own->ahead->waits;
 }
 
-/* Returns the first trial step of a step, or, if a trial step computed in a lane was rejected, the
- * next one. */
+/* Returns the first trial step, or the next one if a trial step made in a lane was rejected. */
 static inline struct pk_trial pk_trial(const struct pk_integrator *it, pk_real limit)
 {
     if (pk_waits(it))
         return it->own->ahead->trial;
     const pk_real round = 10 * PK_EPS * pk_abs(it->t) + PK_TINY;
     struct pk_trial x = {0, 0, 0, 0, 0, 0, 0};
-    x.sign = (pk_real)it->own->direction;
+    x.sign = pk_direction(it);
     x.left = pk_abs(limit - it->t);
     x.least = pk_max(it->options.h_min, round);
     x.planned = pk_abs(it->own->h);
@@ -210,24 +210,21 @@ static inline void pk_trouble(struct pk_integrator *it, enum pk_status status, p
 
 PK_BEGIN
 
-/* pk_ahead_take() copies `parts` parts of the new state from a lane, pk_ahead_slopes() the slopes
- * of `stages` stages. */
+/* pk_ahead_take() copies `parts` parts of the new state from a lane, pk_ahead_slopes() slopes. */
 void pk_ahead_take(struct pk_integrator *it, int part, int parts);
 void pk_ahead_slopes(struct pk_integrator *it, pk_real *to, int stages);
 int pk_all_finite(const pk_real *x, size_t count);
-/* pk_input() writes the inputs at t to u, pk_eval_input() to it->own->u. Without an input function
- * inputs are 0. */
+/* pk_input() writes the inputs at t to u, pk_eval_input() to it->own->u. Without a function they
+ * are 0. */
 void pk_input(const struct pk_problem *problem, pk_real t, pk_real *u);
 const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t);
 /* pk_feedback() writes the inputs at the state (t, q, v) to u, pk_eval_feedback() to it->own->u.
- * Both call the function `feedback` of the problem; if that is NULL, they do the same as pk_input()
- * and pk_eval_input(). */
+ * Both call the function `feedback` of the problem; or pk_input() and pk_eval_input(). */
 void pk_feedback(const struct pk_problem *problem, pk_real t, const pk_real *q, const pk_real *v,
                  pk_real *u);
 const pk_real *pk_eval_feedback(struct pk_integrator *it, pk_real t, const pk_real *q,
                                 const pk_real *v);
-/* Returns the status of a failed evaluation of the acceleration, which returned `failed`, and sets
- * it->reason. */
+/* Returns the status of an acceleration that returned `failed`, and sets it->reason. */
 enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
                               const pk_real *v, int failed);
 /* Calls system->lanes(), or acceleration() for each lane if the system has no kernel `lanes`. */

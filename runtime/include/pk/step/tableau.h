@@ -15,8 +15,7 @@ struct pk_tableau {
     const pk_real *b;
 
     /* Adaptive methods: the error estimate is h sum e_i k_i (s + 1 terms); with e3, a second
-     * estimate of lower order is included, HNW II.10 (10.17). Step size control as in HNW II.4 and
-     * IV.2. */
+     * estimate of lower order is included, HNW II.10 (10.17). Step size control: HNW II.4, IV.2. */
     const pk_real *e, *e3;
     int error_order; /* the error estimate is O(h^error_order) */
     pk_real beta, shrink, grow;

@@ -20,20 +20,20 @@
 #define PK_EMBEDDED_METHODS(X) PK_METHODS_EMBEDDED(PK_NAME_OF, X)
 #endif
 
-static const pk_real pk_euler_c[] = {PK_C(0.0)};
+static const pk_real pk_euler_c[] = {0};
 static const pk_real pk_euler_b[] = {PK_C(1.0)};
 static const struct pk_tableau pk_euler_table = {
     .stages = 1, .c = pk_euler_c, .a = NULL, .b = pk_euler_b};
 
 /* Runge's midpoint rule. */
-static const pk_real pk_rk2_c[] = {PK_C(0.0), PK_C(0.5)};
+static const pk_real pk_rk2_c[] = {0, PK_C(0.5)};
 static const pk_real pk_rk2_a[] = {PK_C(0.5)};
-static const pk_real pk_rk2_b[] = {PK_C(0.0), PK_C(1.0)};
+static const pk_real pk_rk2_b[] = {0, 1};
 static const struct pk_tableau pk_rk2_table = {
     .stages = 2, .c = pk_rk2_c, .a = pk_rk2_a, .b = pk_rk2_b};
 
 /* Kutta's method of order 3; the weights are Simpson's. */
-static const pk_real pk_rk3_c[] = {PK_C(0.0), PK_C(0.5), PK_C(1.0)};
+static const pk_real pk_rk3_c[] = {0, PK_C(0.5), 1};
 static const pk_real pk_rk3_a[] = {PK_C(0.5), PK_C(-1.0), PK_C(2.0)};
 static const pk_real pk_rk3_b[] = {PK_C(1.0) / PK_C(6.0), PK_C(2.0) / PK_C(3.0),
                                    PK_C(1.0) / PK_C(6.0)};
@@ -41,9 +41,8 @@ static const struct pk_tableau pk_rk3_table = {
     .stages = 3, .c = pk_rk3_c, .a = pk_rk3_a, .b = pk_rk3_b};
 
 /* Kutta's classical method. */
-static const pk_real pk_rk4_c[] = {PK_C(0.0), PK_C(0.5), PK_C(0.5), PK_C(1.0)};
-static const pk_real pk_rk4_a[] = {PK_C(0.5), PK_C(0.0), PK_C(0.5),
-                                   PK_C(0.0), PK_C(0.0), PK_C(1.0)};
+static const pk_real pk_rk4_c[] = {0, PK_C(0.5), PK_C(0.5), 1};
+static const pk_real pk_rk4_a[] = {PK_C(0.5), 0, PK_C(0.5), 0, 0, 1};
 static const pk_real pk_rk4_b[] = {PK_C(1.0) / PK_C(6.0), PK_C(1.0) / PK_C(3.0),
                                    PK_C(1.0) / PK_C(3.0), PK_C(1.0) / PK_C(6.0)};
 static const struct pk_tableau pk_rk4_table = {

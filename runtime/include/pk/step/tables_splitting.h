@@ -4,8 +4,7 @@
  *
  * The methods of Blanes and Moan are Runge-Kutta-Nystrom methods, which require a kinetic energy of
  * second degree in p; separable systems have such a kinetic energy, also if time, like a
- * coordinate, advances in the drift. All other methods have their order for any splitting into two
- * flows.
+ * coordinate, advances in the drift. All other methods have their order for any two flows.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed. ("GNI"),
  * I.1, II.4, V.3. */
@@ -37,8 +36,7 @@
 #define PK_TWICE_4(a, ...) a, PK_TWICE_3(__VA_ARGS__), a
 #define PK_TWICE_5(a, ...) a, PK_TWICE_4(__VA_ARGS__), a
 #define PK_TWICE_6(a, ...) a, PK_TWICE_5(__VA_ARGS__), a
-/* The kicks of a composition of Verlet steps of the given lengths. A kick is half of the sum of two
- * successive lengths. */
+/* The kicks of a composition of Verlet steps: a kick is the mean of two successive lengths. */
 #define PK_HALF(a, ...) (a) / 2
 #define PK_KICKS_2(a, b) (a + b) / 2, (a + b) / 2
 #define PK_KICKS_3(a, b, ...) (a + b) / 2, PK_KICKS_2(b, __VA_ARGS__), (a + b) / 2
