@@ -30,7 +30,8 @@ struct pk_lane {
     struct pk_events *events; /* the events to detect in the steps; NULL: none */
     pk_real limit;
     /* The caller guarantees that no event occurs before the time `free`. So a call may make many
-     * fixed steps up to that time without checks for events. free = it->t: none. */
+     * fixed steps up to that time without checks for events. With free = it->t every step is
+     * checked. */
     pk_real free;
 };
 

@@ -54,7 +54,8 @@ struct pk_spectrum {
     pk_real mean, rate;
     size_t count; /* number of lines, in order of decreasing amplitude */
     struct pk_line lines[PK_LINES];
-    /* root mean square of the residual, weighted with the window, relative to x - mean - rate t */
+    /* root mean square of the residual, weighted with the window, relative to that of
+     * x - mean - rate t */
     pk_real residual;
     pk_real resolution; /* 4 pi / (time of the samples), half the width of a spectral line */
     pk_real nyquist;    /* pi/dt: lines of higher frequency appear as lines of lower frequency */

@@ -28,7 +28,8 @@ struct pk_equilibria {
      * terms of the equations vanish at the equilibrium; otherwise the error is smaller. */
     double *doubt;
     /* output of `most` numbers, or NULL. In systems with rotations or constraints equilibria may
-     * form a continuum, of which one point is returned for each energy: its dimensions. */
+     * form a continuum, of which one point is returned for each energy; this is the number of
+     * dimensions of the continuum. */
     size_t *slack;
     /* output of n numbers each, or NULL: where starts of the search lie. Half of the starts have
      * q_i (v_i if cyclic) in middle_i +- box_i, a quarter in middle_i +- 4 box_i, and a quarter

@@ -44,7 +44,8 @@
     PK_MODEL(lanes_inline)(PK_LANES, (const struct PK_MODEL(params) *)(it)->problem.params, t, q, \
                            v, u, a)
 
-/* Number of ensemble members in a block. Their numbers should fit into the L1 cache. */
+/* Number of ensemble members in a block. Their states, stages and parameters should fit into the L1
+ * cache. */
 #ifndef PK_INLINE_LANES
 #define PK_INLINE_LANES (PK_MODEL(N) <= 4 ? 64 : PK_MODEL(N) <= 8 ? 32 : 16)
 #endif

@@ -9,7 +9,8 @@
  *
  * t, q, v, p are in SI units, or dimensionless in a model without units. q0 and it.q have n_q
  * numbers, the coordinates. v0, it.v and it.p have n numbers: the rates, then the first-order
- * variables. it.q, it.v and it.p point into the block, and a step moves them: read them anew.
+ * variables. it.q, it.v and it.p point into the block, and a step moves them, so read them from
+ * `it` after each step.
  *
  * No function allocates, prints or exits, except that a method of pk/gsl.h allocates in init and
  * frees in pk_integrator_free(). A step that fails leaves t, q, v and p unchanged. An integrator is
@@ -182,7 +183,8 @@ int pk_integrator_is_at(const struct pk_integrator *it, pk_real t);
 /* Makes at most `steps` steps (0: no limit) towards `limit`, with the same bits as calls of
  * pk_integrator_step(), but faster. For a system with families.advance and no singularities, all
  * steps of the fixed step size are made in one pass over memory without compensated sums, so that
- * the last bits differ; if the state after them is not finite, fewer are made. */
+ * the last bits differ; if the state after them is not finite, fewer steps are made, to find the
+ * step that fails. */
 enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsigned long steps);
 /* Makes steps until t == t_end exactly, forward or backward. */
 enum pk_status pk_integrator_to(struct pk_integrator *it, pk_real t_end);

@@ -1,4 +1,5 @@
-/* Sample blocks: controllers of a model that run at given times. Inputs stay in between.
+/* Sample blocks: controllers of a model that run at given times. Inputs keep their values between
+ * samples.
  *
  *     struct pk_sampler s = {.system = &arm_system, .params = &params, .u = u};
  *     struct pk_constant_input held = {u, n_inputs};       (problem.input = pk_constant_input)

@@ -8,7 +8,8 @@
 
 #define PK_BLOCK_MOST 64
 
-/* A block of W states. `state` and `next` have W times the numbers of an integrator's. */
+/* A block of W states. `state` and `next` have W times as many numbers as the same arrays of an
+ * integrator. */
 struct pk_block {
     const struct pk_system *system;
     size_t n_q, n, lanes;
@@ -26,7 +27,8 @@ struct pk_block {
 };
 
 PK_BEGIN
-/* Adds the bits `failed` to b->failed, and to b->not_finite those of states that are not. */
+/* Adds the bits `failed` to b->failed, and sets the bits of b->not_finite for those lanes whose
+ * states are not finite. */
 void pk_block_failed(struct pk_block *b, unsigned long long failed, const pk_real *q,
                      const pk_real *v);
 PK_END

@@ -6,7 +6,8 @@
  *
  * Fixed-point iteration solves these equations: all stages of an iterate are evaluated at once. The
  * first iterate is extrapolated from the polynomial through the a_j of the last step. The iteration
- * ends when its error, by the convergence rate, is below the tolerance. q1 and v1 are compensated.
+ * ends when its error, by the convergence rate, is below the tolerance. The sums for q1 and v1
+ * are compensated.
  *
  * Step size control as in IAS15: the last two Legendre coefficients of the polynomial give their
  * decay rate theta, and the error is h |a| theta^16. The error of the step is estimated as soon as
@@ -67,7 +68,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it
                                         : rate < 1 && left2 <= (1 - rate) * (1 - rate);
         const int done = close || y->change2 <= round || stalled;
         /* d6 and d7: the step is rejected if the square of one of the last two Legendre
-         * coefficients is larger. They are compared once the iterates are more exact. */
+         * coefficients is larger. They are compared once the iterates are more exact than these. */
         const pk_real d = *w->decay, d6 = (d * d * d) * (d * d * d) * y->size2, d7 = d6 * d;
         if (done || (!asked && left2 < PK_GAUSS_RESOLVED * d7)) {
             pk_real six2, seven2;

@@ -38,7 +38,8 @@ enum { PK_GAUSS_S = PK_LANES, PK_GAUSS_NODES = 2 * PK_LANES };
 
 /* The work memory: arrays of n by 8, unless another shape is given. */
 struct pk_gauss_lanes {
-    /* a, next_a: the current and the next iterate; q (n_q by 8), v: those at the stages */
+    /* a, next_a: the current and the next iterate; q (n_q by 8), v: coordinates and rates at the
+     * stages */
     pk_real *a, *next_a, *q, *v;
     pk_real *u; /* inputs at the stages */
     /* coefficients of the polynomial a(t) of the last step, in powers of (t - its end)/h */
