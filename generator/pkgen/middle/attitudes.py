@@ -58,11 +58,7 @@ def quaternion_rates(g: Graph, quaternion: Row, w: Row) -> Row:
 
 def body_rates(g: Graph, quaternion: Row, rates: Row) -> Row:
     """Returns the body rates w for a quaternion Q of length 1 and its rates Q' = Q (0, w)/2."""
-    four = g.number(4)
-    return tuple(
-        g.multiply(four, g.sum(map(g.multiply, turned(g, quaternion, axis), rates)))
-        for axis in range(3)
-    )
+    return tuple(g.multiply(g.number(4), x) for x in along_axes(g, quaternion, rates))
 
 
 def rate_of_quaternion(g: Graph, at: Attitude, state: int) -> Node:

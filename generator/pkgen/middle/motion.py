@@ -65,6 +65,7 @@ class Energies:
     potential: Node | None
     dissipation: Node
     fast: Node = ZERO
+    whole: Node | None = None  # L, if it is of first degree in the rates: `lagrangian` is then -H
 
 
 @record

@@ -83,7 +83,7 @@ class Whole:
         """Returns a run by the reference's method at a tolerance near round-off. The run is
         compared with a second one, in a wider type if there is one."""
         candidate, every = alone(self.check.method), self.asked.every
-        setting = reference.tight(candidate.name, every)
+        setting = reference.setting(candidate.name, every)
         if self._in_more_digits(candidate):
             trial = self._run(candidate, setting, self.asked.max_step)
             keeps = trial.error <= self.asked.accuracy
@@ -93,7 +93,7 @@ class Whole:
             return Kept(candidate, exact)
         self.asked.trials.keep_as_exact()
         self.check = replace(self.check, against=candidate.name)
-        setting = reference.loose(candidate.name, every)
+        setting = reference.setting(candidate.name, every, looser=True)
         agree = FLOOR * self.asked.accuracy
         trial = self._run(candidate, setting, reference.other_steps(self.asked), agree)
         keeps = trial.arrived and trial.error <= agree

@@ -64,11 +64,17 @@ def edges(values: np.ndarray) -> np.ndarray:
     return np.concatenate([[first], middles, [last]])
 
 
+def _cells(kinds: list[list[str]]) -> np.ndarray:
+    """Returns the classes of a map as their places in CLASSES."""
+    order = list(CLASSES)
+    return np.array([[order.index(kind) for kind in row] for row in kinds])
+
+
 def fill(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]], look: Look) -> set:
     """Colours the cells of a map, each by the class of its point. `kinds` has the classes, with a
     row for each element of xs and a column for each element of hs. Returns the classes drawn."""
     order = list(CLASSES)
-    cells = np.array([[order.index(kind) for kind in row] for row in kinds])
+    cells = _cells(kinds)
     colours = ListedColormap([_colour(kind, look) for kind in order])
     norm = BoundaryNorm(np.arange(len(order) + 1) - 0.5, len(order))
     alone = _alone(cells)
@@ -87,31 +93,24 @@ def fill(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]],
     return used | {UNCONFIRMED} if alone.any() else used
 
 
-def _neighbours(cells: np.ndarray) -> np.ndarray:
-    """Returns the classes of the eight neighbours of each cell, as an array of shape (8, rows,
-    columns). Beyond the edge of the map the class is -1."""
-    padded = np.pad(cells, 1, constant_values=-1)
-    rows, columns = cells.shape
-    return np.array(
-        [
-            padded[i : i + rows, j : j + columns]
-            for i in range(3)
-            for j in range(3)
-            if (i, j) != (1, 1)
-        ]
-    )
-
-
 def _alone(cells: np.ndarray) -> np.ndarray:
     """Returns for each cell of a map whether no neighbour has the same class. The class of such an
     isolated cell may be accidental."""
-    return (_neighbours(cells) != cells).all(axis=0) if min(cells.shape) > 1 else cells < 0
+    return (_count(cells, cells, 1) == 1) & (min(cells.shape) > 1)
 
 
 def _around(cells: np.ndarray) -> np.ndarray:
     """Returns the most frequent class among each cell's neighbours."""
-    near = _neighbours(cells)
-    return np.argmax([(near == k).sum(axis=0) for k in range(cells.max() + 1)], axis=0)
+    counts = [_count(cells, np.array(k), 1) - (cells == k) for k in range(cells.max() + 1)]
+    return np.argmax(counts, axis=0)
+
+
+def _count(cells: np.ndarray, kinds: np.ndarray, radius: int) -> np.ndarray:
+    """Returns for each cell of a map the number of cells within `radius` that have the class in
+    `kinds`: that of the cell itself, or one class for all cells."""
+    padded = np.pad(cells, radius, constant_values=-1)
+    near = np.lib.stride_tricks.sliding_window_view(padded, (2 * radius + 1,) * 2)
+    return (near == kinds[..., None, None]).sum(axis=(2, 3))
 
 
 def glyphs(
@@ -119,16 +118,15 @@ def glyphs(
 ) -> None:
     """Draws sparse glyphs that tell the classes of the cells. The first glyphs are placed deep
     inside the region of a class. Call this function after the layout of the figure."""
-    cells = np.array(kinds)
-    order = list(CLASSES)
-    alone = _alone(np.array([[order.index(kind) for kind in row] for row in kinds])).ravel()
+    cells, order = _cells(kinds), list(CLASSES)
+    alone = _alone(cells).ravel()
     h, x = np.meshgrid(hs, xs)
     page = axes.transData.transform(np.column_stack([h.ravel(), x.ravel()])) * 72 / axes.figure.dpi
-    deep = _depth(cells).ravel()
+    deep = _count(cells, cells, DEEP).ravel()  # largest deep inside the region of a class
     placed: list[tuple[float, float, str]] = []
     found: dict[str, list[int]] = {}
     for k in np.argsort(-deep, kind="stable"):
-        kind, (a, b) = str(cells.ravel()[k]), page[k]
+        kind, (a, b) = order[cells.ravel()[k]], page[k]
         if not CLASSES[kind].glyph or alone[k]:
             continue
         if all(
@@ -140,18 +138,6 @@ def glyphs(
     for kind in (kind for kind in CLASSES if kind in found):
         at = found[kind]
         axes.plot(h.ravel()[at], x.ravel()[at], **_glyph(kind, look), clip_on=True, zorder=1.5)
-
-
-def _depth(cells: np.ndarray) -> np.ndarray:
-    """Returns for each cell the number of cells of its class within DEEP cells: it is largest deep
-    inside the region of a class."""
-    padded = np.pad(cells, DEEP, constant_values="")
-    rows, columns = cells.shape
-    return sum(
-        (padded[i : i + rows, j : j + columns] == cells).astype(int)
-        for i in range(2 * DEEP + 1)
-        for j in range(2 * DEEP + 1)
-    )
 
 
 def _colour(kind: str, look: Look) -> str:

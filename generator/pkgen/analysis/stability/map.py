@@ -170,18 +170,19 @@ def make(
     amplitude = measure.small(rest, cyclic, size)
     effort = measure.QUICK if asked.quick else measure.FULL
     jobs = len(asked.axis.values) + len(flat) + len(maps) + 1
-    done = [0]
+    ended = 0
     show(0.0, f"0 of {jobs}")
 
     def counted(make: Callable[[], Made]) -> Made:
+        nonlocal ended
         try:
             result = make()
         except TimeUp:
             result = None
         if children.ended():  # interrupted during make()
             raise KeyboardInterrupt
-        done[0] += 1
-        show(done[0] / jobs, f"{done[0]} of {jobs}")
+        ended += 1
+        show(ended / jobs, f"{ended} of {jobs}")
         return result
 
     clock.threads()
@@ -210,22 +211,18 @@ def make(
     found = tuple(sorted(_kept(rows), key=lambda row: row.x))
     checked, growing = tuple(_kept(checks)), next(iter(_kept([leaving])), [])
     interrupted = ""
-    if len(found) < len(rows) or len(checked) < len(checks):
-        late = (
-            f"time was up: {len(found)} of {len(rows)} values of {asked.axis.name} are mapped, "
-            f"{len(checked)} of {len(checks)} predictions measured; --seconds "
-            f"{10 * asked.seconds:.0f} allows for more"
-        )
-        asked = replace(asked, left=(*asked.left, *([] if children.ended() else [late])))
-        asked = replace(asked, axis=replace(asked.axis, values=tuple(row.x for row in found)))
+    done = (
+        f"{len(found)} of {len(rows)} values of {asked.axis.name} are mapped, "
+        f"{len(checked)} of {len(checks)} predictions measured"
+    )
     if children.ended():
         if len(found) < LEAST_ROWS:
             raise KeyboardInterrupt
-        interrupted = (
-            f"interrupted: {len(found)} of {len(rows)} values of {asked.axis.name} are mapped, "
-            f"{len(checked)} of {len(checks)} predictions measured"
-        )
-        asked = replace(asked, axis=replace(asked.axis, values=tuple(row.x for row in found)))
+        interrupted = f"interrupted: {done}"
+    elif len(found) < len(rows) or len(checked) < len(checks):
+        late = f"time was up: {done}; --seconds {10 * asked.seconds:.0f} allows for more"
+        asked = replace(asked, left=(*asked.left, late))
+    asked = replace(asked, axis=replace(asked.axis, values=tuple(row.x for row in found)))
     begun = until, motion, rest, primary
     told = flat, checked, tuple(growing), interrupted
     losses = tuple(one for one in lost.values() if one)

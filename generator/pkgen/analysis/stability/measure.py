@@ -177,11 +177,10 @@ def growths(asker: Asker, at: Rest, amplitude: float) -> list[Growth]:
     """Measures each growing mode by a reference motion that starts at a tenth of `amplitude`."""
     found = []
     for e, place in enumerate(at.equilibria):
-        growing = [k for k, mode in enumerate(place.modes) if mode.growth > 0]
         here = asker.at(place)
-        for k in growing:
-            rate = here.leave(k, amplitude / 10)
-            found.append(Growth(e, k, place.modes[k].growth, rate))
+        for k, mode in enumerate(place.modes):
+            if mode.growth > 0:
+                found.append(Growth(e, k, mode.growth, here.leave(k, amplitude / 10)))
     return found
 
 

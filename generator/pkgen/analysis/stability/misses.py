@@ -23,10 +23,8 @@ class Miss:
 def difference(predicted: float | None, measured: float | None) -> float | None:
     """Returns the difference of the measured and the predicted step size, relative to the latter.
     If neither step size exists, it is 0; if only one exists, it is None."""
-    if predicted is None and measured is None:
-        return 0.0
     if predicted is None or measured is None:
-        return None
+        return 0.0 if predicted is measured else None
     if predicted == 0:
         return 0.0 if measured < 1e-3 else None
     return measured / predicted - 1

@@ -145,7 +145,8 @@ class _Search:
         while len(starts) and len(self.orbits) < MOST_ORBITS and len(self.known) < MOST_KNOWN:
             before, again = len(self.known), []
             for number, found in self.newton(starts, h, steps).items():
-                if not self._in_sight(found.y) or self._is_known(found.y, before):
+                away = abs(self.unknowns.apart(self.system.middle, found.y)).max()
+                if not away < AWAY or self._is_known(found.y, before):
                     continue
                 if self._is_known(found.y) or self._take(found, first, many):
                     again.append(number)
@@ -169,9 +170,6 @@ class _Search:
         if len(self.orbits) < MOST_ORBITS:
             self._keep(found)
         return True
-
-    def _in_sight(self, y: numpy.ndarray) -> bool:
-        return bool(abs(self.unknowns.apart(self.system.middle, y)).max() < AWAY)
 
     def _is_known(self, y: numpy.ndarray, count: int | None = None) -> bool:
         known = self.known[:count]

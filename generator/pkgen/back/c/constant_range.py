@@ -13,13 +13,17 @@ from dataclasses import fields, is_dataclass, replace
 from decimal import Context, Decimal
 from fractions import Fraction
 from sys import float_info
+from typing import TYPE_CHECKING
 
 from ...graph.evaluate import value_of
-from ...graph.graph import VARIABLE, Graph, Kind, Node, Op
+from ...graph.graph import Kind, Node, Op
 from ...graph.magnitudes import may_vanish
 from ...model import Model
 from ...source import Diagnostic, ModelError
 from ...tree import Number
+
+if TYPE_CHECKING:
+    from .rewrite import Workspace
 
 _FLOAT = 2.0**-126, 2.0**128  # The smallest normal number and the upper bound of C's float.
 
@@ -38,21 +42,10 @@ class Beyond(Exception):
         return ModelError(model.source, [Diagnostic(message, far.span, help)])
 
 
-class Tables:
-    """Lists with an element for each node of a graph. `fixed` tells whether the node depends on
-    parameters alone."""
-
-    def __init__(self, graph: Graph) -> None:
-        self.op = list(graph.op)
-        self.args = list(graph.args)
-        self.data = list(graph.data)
-        self.fixed = [not mask & VARIABLE for mask in graph.depends]
-
-
 class Constants:
     """Checks the range of the constants in a C program while it is written."""
 
-    def __init__(self, work: Tables) -> None:
+    def __init__(self, work: Workspace) -> None:
         self._work = work
         self._values: dict[Node, float | None] = {}  # None for nodes with parameters
         self.float_too = True  # whether all constants fit in C's float

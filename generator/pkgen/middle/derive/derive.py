@@ -149,17 +149,11 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
 
 def _energies(x: Expander) -> Energies:
     model, g = x.model, x.graph
-    for item, index, value in x.members_of(model.definitions, scalar=False):
-        x.define(item.name, index, value)
-    totals: dict[str, Node] = {}
-    for kind in ("kinetic", "potential", "lagrangian", "dissipation", "fast"):
-        totals[kind] = ZERO
-        for expr in getattr(model, kind):
-            with x.statement(expr.span):
-                totals[kind] = g.add(totals[kind], x.scalar(expr))
-    kinetic, potential = totals["kinetic"], totals["potential"]
+    x.define_all()
+    terms = model.kinetic, model.potential, model.lagrangian, model.dissipation, model.fast
+    kinetic, potential, lagrangian, dissipation, fast = map(x.total, terms)
     with x.statement(model.span):
-        whole = g.add(g.subtract(kinetic, potential), totals["lagrangian"])
+        whole = g.add(g.subtract(kinetic, potential), lagrangian)
         if model.hamiltonian:
             whole = lagrangian_of(x, hamiltonian_of(x))
     stated = bool(model.lagrangian or model.hamiltonian)
@@ -167,8 +161,8 @@ def _energies(x: Expander) -> Energies:
         lagrangian=whole,
         kinetic=None if stated else kinetic,
         potential=None if stated else potential,
-        dissipation=totals["dissipation"],
-        fast=totals["fast"],
+        dissipation=dissipation,
+        fast=fast,
     )
 
 

@@ -76,7 +76,7 @@ def define_built_in(
     """Defines the names T, V, L, energy and those of the momenta. A name that the model defines
     itself keeps its meaning."""
     own = {item.name for item in x.model.definitions}
-    whole = energies.lagrangian if x.lagrangian is None else x.lagrangian
+    whole = energies.lagrangian if energies.whole is None else energies.whole
     built_in = {"L": whole, "energy": energy}
     known = energies.kinetic, energies.potential
     if energies.kinetic is None:

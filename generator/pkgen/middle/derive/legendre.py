@@ -64,8 +64,7 @@ def _pair(c: Coordinate) -> Expr:
 
 
 def _is_other(x: Expander) -> bool:
-    for item, index, value in x.members_of(x.model.definitions, scalar=False):
-        x.define(item.name, index, value)
+    x.define_all()
     momenta = gradient(x.graph, hamiltonian_of(x), MOMENTA).values()
     second = (node for p in momenta for node in gradient(x.graph, p, MOMENTA).values())
     return any(x.graph.depends[node] & MOMENTA for node in second)

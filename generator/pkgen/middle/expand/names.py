@@ -15,7 +15,7 @@ from typing import TypeVar
 from ... import limits
 from ...equations import Attitude
 from ...graph.differentiate import Forward
-from ...graph.graph import ONE, VARIABLE, Graph, Kind, Node, Symbol, TooLarge
+from ...graph.graph import ONE, VARIABLE, ZERO, Graph, Kind, Node, Symbol, TooLarge
 from ...indices import NotAnInteger, assignments, integer
 from ...model import Coordinate, End, Input, Model, Rotation
 from ...source import Span
@@ -124,8 +124,6 @@ class Names(ABC):
         # statements must not use accelerations.
         self.solved: Mapping[Node, Node] | None = None
         self._ends = _ends(model, self.coordinates | self.states)
-        # The Lagrangian of first degree in the rates, if it is one (derive/first_degree.py).
-        self.lagrangian: Node | None = None
         # The nodes whose time derivatives were taken, with the places in the model's text.
         self.primes: list[tuple[Node, Span]] = []
 
@@ -199,6 +197,19 @@ class Names(ABC):
                 for index, loop in self.unrolled(item.index, item.range):
                     value = (self.scalar if scalar else self.value)(item.value, loop)
                     yield item, index, value
+
+    def define_all(self) -> None:
+        """Defines the names of the model's definitions."""
+        for item, index, value in self.members_of(self.model.definitions, scalar=False):
+            self.define(item.name, index, value)
+
+    def total(self, exprs: Iterable[Expr]) -> Node:
+        """Returns the sum of the expressions."""
+        total = ZERO
+        for expr in exprs:
+            with self.statement(expr.span):
+                total = self.graph.add(total, self.scalar(expr))
+        return total
 
     def define(self, name: str, index: int | None, value: Value) -> None:
         self.defined.setdefault(name, {})[index] = value
