@@ -44,7 +44,7 @@ class Evaluator:
             elif op is Op.SYMBOL and data.kind is Kind.PI:
                 value = repr(math.pi)
             else:
-                value = text_of(g, node, (used,), "real", "", _power)
+                value = text_of(g, node, (used,), "real", "", "pow({0}, {1})".format)
             lines.append(f"  x{node} = {value}")
         used["value"] = lambda node: float(g.data[node])
         results = ", ".join(f"x{node}" for node in self.nodes)
@@ -60,10 +60,6 @@ class Evaluator:
             return self._evaluated(values)
         except (ValueError, OverflowError, ZeroDivisionError):
             return evaluate(self.graph, self.nodes, values)
-
-
-def _power(base: str, exponent: Fraction) -> str:
-    return f"pow({base}, {float(exponent)!r})"
 
 
 def value_of(g: Graph, node: Node, args: list[float], values: Mapping[Symbol, float]) -> float:

@@ -30,17 +30,16 @@ def cross(g: Graph, a: Vector3, b: Vector3) -> Vector3:
 
 
 def dot(g: Graph, a: Vector3, b: Vector3) -> Node:
-    return g.sum(g.multiply(i, j) for i, j in zip(a, b, strict=True))
+    return g.sum(map(g.multiply, a, b))
 
 
 def added(g: Graph, a: Vector3, b: Vector3) -> Vector3:
-    return tuple(g.add(i, j) for i, j in zip(a, b, strict=True))
+    return tuple(map(g.add, a, b))
 
 
 def combined(g: Graph, columns: tuple[Vector3, ...], a: Vector3) -> Vector3:
     """Returns the product of a matrix, given by its columns, and the vector a."""
-    rows = zip(*columns, strict=True)
-    return tuple(g.sum(g.multiply(c, i) for c, i in zip(row, a, strict=True)) for row in rows)
+    return tuple(dot(g, row, a) for row in zip(*columns, strict=True))
 
 
 def columns(

@@ -37,17 +37,18 @@ class Written:
         self.nodes = list(nodes)
         used: dict[str, object] = {}
         lines: list[str] = []
+        how = "enclosed", "e, ", _power
         for node in reachable(g, self.nodes):
             args, data = g.args[node], g.data[node]
             if not g.is_constant(node):
-                lines.append(f"  x{node} = {_text(g, node, used)}")
+                lines.append(f"  x{node} = {text_of(g, node, [used], *how)}")
             elif g.op[node] is Op.NUMBER:
                 used[f"x{node}"] = domain.number(data)
             elif g.op[node] is Op.SYMBOL:
                 used[f"x{node}"] = domain.pi if data.kind is Kind.PI else constants[data]
             else:
                 scope = used | {f"x{a}": used[f"x{a}"] for a in args} | {"e": domain}
-                used[f"x{node}"] = eval(_text(g, node, used, scope), scope)
+                used[f"x{node}"] = eval(text_of(g, node, [used, scope], *how), scope)
         results = ", ".join(f"x{node}" for node in self.nodes)
         body = "\n".join([*lines, f"  return [{results}]"])
         exec(f"def evaluated(e, values):\n{body}", used)
@@ -55,10 +56,6 @@ class Written:
 
     def __call__(self, domain: Any, values: Mapping[Symbol, Any]) -> list[Any]:
         return self.called(domain, values)
-
-
-def _text(g: Graph, node: Node, used: dict[str, object], scope: dict | None = None) -> str:
-    return text_of(g, node, (used,) if scope is None else (used, scope), "enclosed", "e, ", _power)
 
 
 def text_of(

@@ -13,7 +13,7 @@ from . import table, text
 from .chart import Chart
 from .front import strong as foremost
 from .panel import FAILED, UNITS, Curve, Style, draw
-from .points import AXES, FAMILIES, Point
+from .points import AXES, FAMILIES
 
 STRONG_MOST = 10
 NAMED_MOST = 14  # if there are more methods, the first picture names only the strong() ones
@@ -41,10 +41,6 @@ def pictures(chart: Chart, stem: Path) -> list[Path]:
     return files
 
 
-def worst_drift(point: Point) -> float | None:
-    return max(point.drifts.values(), default=None)
-
-
 def _curves(chart: Chart, axis: str, measure) -> list[Curve]:
     return [Curve(t, axis, measure, chart.spectrum.limit(t.method)) for t in chart.tracks]
 
@@ -62,7 +58,8 @@ def _overview(chart: Chart):
     kept = table.invariants(chart.tracks)
     if kept:
         invariants = ", ".join(kept if len(kept) < 5 else [*kept[:4], "…"])
-        measures.append((f"largest drift on the way ({invariants})", worst_drift))
+        title = f"largest drift on the way ({invariants})"
+        measures.append((title, lambda p: max(p.drifts.values(), default=None)))
     rows = len(measures)
     height = 1.9 + 4.0 * rows
     figure, grid = pyplot.subplots(rows, 2, figsize=(11, height), squeeze=False, sharey="col")

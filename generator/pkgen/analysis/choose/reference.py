@@ -214,7 +214,7 @@ def find(asked: Task, cap: float) -> Check:
     unsure = tuple(
         i for i in expected if i not in ignored and not judge.columns[i] <= FLOOR * asked.accuracy
     )
-    asked.trials.ignored.update(ignored, unsure)
+    asked.trials.ignored |= {*ignored, *unsure}
     if ignored or unsure:  # repeats the comparison without the ignored and unsure columns
         judge = finder.attempt(judge.method, judge.setting, max_step=judge.max_step)
     floor, rounded = _error(judge, (*ignored, *unsure)), ROUNDED if exact.method == EXACT else 0.0

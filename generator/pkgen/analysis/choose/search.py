@@ -76,8 +76,10 @@ def loosest(
         else:
             missed = trial
         wanted = next_setting(found, accuracy)
-        setting = steps.between(wanted, found.kept, missed)
-        if setting is None or (found.kept and _little(steps, found.kept, setting)):
+        setting, kept = steps.between(wanted, found.kept, missed), found.kept
+        if setting is None:
+            break
+        if kept and (setting <= kept.setting or steps.gain(kept, setting) < GAIN):
             break
         if not found.kept and trial.arrived:
             setting = steps.affordable(trial, setting, limit)
@@ -117,10 +119,6 @@ def next_setting(found: Found, accuracy: float) -> float:
             power = min(max(slope(other, trial), power / 3), 1.5 * power)
     factor = (AIM * accuracy / trial.error) ** (1 / power)
     return trial.setting * min(max(factor, 1 / FURTHEST), FURTHEST)
-
-
-def _little(scale: _Steps | _Tolerances, kept: Trial, setting: float) -> bool:
-    return setting <= kept.setting or scale.gain(kept, setting) < GAIN
 
 
 class _Steps:

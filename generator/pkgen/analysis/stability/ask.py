@@ -121,7 +121,7 @@ class Asker(Placed):
             scale=motion.summary(self.until if motion.followed else 0.0).scale,
             q=_floats(self.q(self.start)),
             v=_floats(self.v(self.start)),
-            parameters=tuple(math.nan if x is None else float(x) for x in self.given["parameters"]),
+            parameters=_floats(numpy.array(self.given["parameters"], float)),
             leaves=motion.leaves,
             horizon=motion.known,
             by_norm=self.by_norm,
@@ -130,8 +130,7 @@ class Asker(Placed):
         )
 
     def point(self, method: str, h: float) -> Point:
-        if self.motion_followed is None:
-            raise UsageError("ask for the motion first")
+        """Classifies a method's run. Call motion() before."""
         return points.classified(self.motion_followed, method, h)
 
     @numpy.errstate(all="ignore")

@@ -19,17 +19,18 @@ class Class:
     colour: str
     dark: str
     glyph: str = ""  # matplotlib marker
+    says: str = ""  # the text in the legend, if not the name of the class
 
 
 # The legend lists the classes in this order.
 CLASSES = {
     "bounded": Class("#DCEBF5", "#22333F"),
-    "out of phase": Class("#B5D3E8", "#33566E"),
-    "exchange": Class("#E8A58C", style.RED, "v"),
-    "constant lost": Class("#B98A5E", "#8A5F38", "+"),
+    "out of phase": Class("#B5D3E8", "#33566E", says="bounded, the phase is lost"),
+    "exchange": Class("#E8A58C", style.RED, "v", "exchange between coordinates"),
+    "constant lost": Class("#B98A5E", "#8A5F38", "+", "another constant is lost"),
     "drifting by less than 1 %": Class("#F7F1B5", "#4A4726", "_"),
     "drifting": Class("#D8C41C", "#A79A1F", ">"),
-    "wrong amplitude": Class("#C9DDB4", "#4C6238", "<"),
+    "wrong amplitude": Class("#C9DDB4", "#4C6238", "<", "it settles at a wrong amplitude"),
     "growing": Class("#D98A00", style.ORANGE, "^"),
     "wrong branch": Class(style.BLUE, "#2E7FB8", "d"),
     "not converged": Class(style.PURPLE, style.PURPLE, "x"),
@@ -37,14 +38,7 @@ CLASSES = {
     "singular": Class(style.GREEN, style.GREEN, "|"),
     "off constraints": Class("#9C6BA0", "#7A4E80", "*"),
     "failed": Class("#999999", "#777777", "s"),
-    "not judged": Class("#FFFFFF", style.DARK_GROUND, "."),
-}
-SAID_OF = {  # legend texts that differ from the name of the class
-    "not judged": "not judged: it leaves by itself",
-    "out of phase": "bounded, the phase is lost",
-    "wrong amplitude": "it settles at a wrong amplitude",
-    "exchange": "exchange between coordinates",
-    "constant lost": "another constant is lost",
+    "not judged": Class("#FFFFFF", style.DARK_GROUND, ".", "not judged: it leaves by itself"),
 }
 SIZE = 2.6  # size of a glyph, in points
 # Least distances, in points: of two glyphs of the same class, and of any two glyphs.
@@ -158,7 +152,7 @@ def handles(used: set[str], look: Look) -> list[tuple]:
     for kind in (kind for kind in CLASSES if kind in used):
         patch = Patch(fc=_colour(kind, look), ec=style.GREY, lw=0.4)
         marks = (Line2D([], [], **_glyph(kind, look)),) if CLASSES[kind].glyph else ()
-        found.append(((patch, *marks), SAID_OF.get(kind, kind)))
+        found.append(((patch, *marks), CLASSES[kind].says or kind))
     if UNCONFIRMED in used:
         square = Line2D([], [], marker="s", ls="", ms=3, color=style.GREY)
         words = "unconfirmed: no cell around is alike"

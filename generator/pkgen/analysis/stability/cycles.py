@@ -16,9 +16,9 @@ import math
 from collections.abc import Callable
 
 from ...equations import Equations
-from ...graph.differentiate import reachable
+from ...graph.differentiate import reachable, symbols_in
 from ...graph.evaluate import evaluate
-from ...graph.graph import BIT, Kind, Op
+from ...graph.graph import BIT, Kind, Op, Symbol
 from ...record import record
 from .ask import Asker
 from .orbits import Orbit
@@ -221,15 +221,10 @@ def driven_period(equations: Equations, parameters: tuple[float, ...]) -> float 
         for node in reachable(g, roots, BIT[Kind.TIME])
         if g.op[node] is Op.CALL and g.data[node] in WAVES
     ]
-    values = dict.fromkeys((g.data[n] for n in reachable(g, waves) if g.op[n] is Op.SYMBOL), 0.5)
-    for symbol in values:
-        if symbol.kind == Kind.PARAMETER:
-            values[symbol] = parameters[symbol.index]
-    phases = []
-    for t in (0.0, 1.0, 2.0):
-        at = {s: t if s.kind == Kind.TIME else x for s, x in values.items()}
-        phases.append(evaluate(g, waves, at))
-    rates = {abs(b - a) for a, b in zip(phases[0], phases[1], strict=True) if b != a}
+    values = {s: 0.5 for s in symbols_in(g, waves)}
+    values |= {s: parameters[s.index] for s in values if s.kind == Kind.PARAMETER}
+    phases = [evaluate(g, waves, values | {Symbol(Kind.TIME): t}) for t in (0.0, 1.0)]
+    rates = {abs(b - a) for a, b in zip(*phases, strict=True) if b != a}
     if not rates or not all(map(math.isfinite, rates)):
         return None
     slowest = min(rates)

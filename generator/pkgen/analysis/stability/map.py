@@ -26,7 +26,7 @@ from .ghosts import Ghost, ghosts
 from .measure import Growth, Measured, Row
 from .method import StepMap
 from .predict import PAIRS, RESONANCES, Prediction, predictions
-from .rest import Equilibrium, Rest
+from .rest import Rest
 from .steps import MapOptions, refuse_unjudged, steps_over
 from .system import TimeUp
 
@@ -166,7 +166,7 @@ def make(
     flat = tuple(p for name in maps for p in predicted[name])
     # Resonances are measured last, since time may run out.
     flat = tuple(sorted(flat, key=lambda p: p.kind in (*RESONANCES, *PAIRS)))
-    size = _size(at, motion.q, cyclic) if at else 0.0
+    size = plan.apart(at, motion.q, cyclic) if at else 0.0
     amplitude = measure.small(rest, cyclic, size)
     effort = measure.QUICK if asked.quick else measure.FULL
     jobs = len(asked.axis.values) + len(flat) + len(maps) + 1
@@ -299,10 +299,3 @@ def _quaternions(compilation: Compilation) -> range:
     # Body rates come before quaternions in v, and are not counted as first-order variables here.
     first = compilation.equations.own
     return range(first, first + 4 * count)
-
-
-def _size(at: Equilibrium, start: tuple[float, ...], cyclic: frozenset[int]) -> float:
-    """Returns the largest distance, over all coordinates that are not cyclic, between the start and
-    the equilibrium."""
-    apart = (abs(a - b) for a, b in zip(at.q, start, strict=True))
-    return max((x for i, x in enumerate(apart) if i not in cyclic), default=0.0)

@@ -21,7 +21,7 @@ from ...record import record
 from .ask import Asker, Motion
 from .method import FURTHEST, LEAP, combined, first_change
 from .orbits import ROUNDED
-from .points import Point
+from .points import FAILURES, Point
 from .predict import RESONANCES, Prediction
 from .rest import Rest
 
@@ -35,15 +35,7 @@ FINE = 1e-6  # relative precision of a step size found by search
 # A resonance has a response if the motion grows this many times more than at step sizes beside it.
 RESPONDS = 1.3
 LOST = 0.5  # a motion with a larger energy error, relative to the range of v.p, is lost
-FAILED = (
-    "growing",
-    "not converged",
-    "wrong branch",
-    "not finite",
-    "singular",
-    "failed",
-    "off constraints",
-)
+FAILED = {"growing", "failed", *FAILURES.values()} - {"refused"}
 BESIDE = 0.06  # step sizes within this relative distance of a resonance are scanned for a response
 
 

@@ -17,6 +17,7 @@ from fractions import Fraction
 from math import prod
 
 from ...functions import SIDE as SIDE_OF
+from ...graph.differentiate import unknown
 from ...graph.graph import MINUS_ONE, Graph, Node, Op, Symbol
 from .constant_range import Constants
 
@@ -90,12 +91,7 @@ class Workspace:
 
     def reachable(self, roots: Iterable[Node]) -> list[Node]:
         """Returns the roots and all nodes below them; arguments come before their users."""
-        seen: set[Node] = set()
-        found = set(roots)
-        while found:
-            seen |= found
-            found = set().union(*map(self.args.__getitem__, found)) - seen
-        return sorted(seen)
+        return unknown(self.args.__getitem__, roots, ())
 
 
 def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Node, Node]:

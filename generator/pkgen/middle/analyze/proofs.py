@@ -248,13 +248,11 @@ class _Tried:
 def check_claims(model: Model, claims: tuple[Claim, ...]) -> None:
     """Raises ModelError if any claim is not proved."""
     findings = []
+    failed = {REFUTED: "'{}' is not constant", OPEN: "that '{}' is constant is not proved"}
     for item, claim in zip(model.conserved, claims, strict=True):
-        if claim.outcome == REFUTED:
-            message = f"'{claim.name}' is not constant: {claim.says}"
-        elif claim.outcome == OPEN:
-            message = f"that '{claim.name}' is constant is not proved: {claim.says}"
-        else:
+        if claim.outcome not in failed:
             continue
+        message = f"{failed[claim.outcome].format(claim.name)}: {claim.says}"
         help = f"to watch it, say 'observe {claim.name}'; only what is proved can be conserved"
         findings.append(Diagnostic(message, item.span, help))
     if findings:

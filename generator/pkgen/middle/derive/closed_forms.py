@@ -20,6 +20,7 @@ from ...indices import assignments, indexed, parted
 from ...model import Definition, Exact, Model
 from ...source import Diagnostic, ModelError
 from ...tree import Name, Number, Prime, of_member
+from ..points.samples import started
 from ..points.singularities import defaults
 from ..quantities import families, sizes
 from .derive import derive
@@ -68,9 +69,7 @@ def check_exact(
         return g.symbol(Symbol(kind, i))
 
     known: Values = {Symbol(Kind.TIME): 0.0, **defaults(g, e.parameters, changed)}
-    start = dict(known)
-    for kind, row in zip(_STATE, (e.start_q, e.start_v, e.state_start), strict=True):
-        start |= {Symbol(kind, i): x for i, x in enumerate(evaluate(g, row, known))}
+    start = started(g, e.parameters, (e.start_q, e.start_v, e.state_start), changed)
     times = [{**known, Symbol(Kind.TIME): (until or 1.0) * part} for part in TIMES]
     places = {q.name: (Kind.COORDINATE, i) for i, q in enumerate(e.seen)}
     places |= {s.name: (Kind.STATE, i) for i, s in enumerate(e.states)}

@@ -123,12 +123,10 @@ class Across:
             if n in new:
                 continue
             args, own = [new[a] for a in g.args[n]], side * self._side(n, argument)
-            if own and g.data[n] == "step":
+            if own and g.data[n] in ("step", "floor"):  # floor jumps by 1 at each whole number
                 new[n] = ONE if own > 0 else ZERO
             elif own and g.data[n] == "sign":
                 new[n] = g.number(own)
-            elif own and g.data[n] == "floor":  # Its jump is 1 at each whole number.
-                new[n] = ONE if own > 0 else ZERO
             elif own:  # abs(0) is 0; min and max of two equal arguments are either of them
                 new[n] = args[1] if len(args) > 1 else ZERO
             else:

@@ -38,20 +38,16 @@ def in_pairs(model: Model) -> Model:
     pairs = tuple(map(_pair, model.coordinates))
     terms = (*pairs, *model.hamiltonian)
     signs = (*(1 for _ in pairs), *(-1 for _ in model.hamiltonian))
+    per = str if model.dimensionless else per_second
     momenta = (
-        replace(
-            c, name=made_of("p_{}", c.name), unit=c.momentum_unit, rate_unit=_rate_unit(model, c)
-        )
+        replace(c, name=made_of("p_{}", c.name), unit=u, rate_unit=per(u))
         for c in model.coordinates
+        for u in [c.momentum_unit]
     )
     whole = Add(terms, signs, span)
     return replace(
         model, coordinates=(*model.coordinates, *momenta), lagrangian=(whole,), hamiltonian=()
     )
-
-
-def _rate_unit(model: Model, c: Coordinate) -> str:
-    return "" if model.dimensionless else per_second(c.momentum_unit)
 
 
 def _pair(c: Coordinate) -> Expr:

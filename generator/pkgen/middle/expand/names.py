@@ -10,6 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from itertools import accumulate
 from typing import TypeVar
 
 from ... import limits
@@ -78,13 +79,9 @@ def _held(model: Model, item: Input) -> Exception:
 def next_input(orders: tuple[int, ...], index: int) -> int:
     """Returns the flat index of the time derivative of the input (or input derivative) at
     `index`."""
-    last = -1
-    for position, order in enumerate(orders):
-        last += order + 1
-        if index == last:
-            raise NeedsDerivative(position)
-        if index < last:
-            break
+    ends = [*accumulate(order + 1 for order in orders)]
+    if index + 1 in ends:
+        raise NeedsDerivative(ends.index(index + 1))
     return index + 1
 
 

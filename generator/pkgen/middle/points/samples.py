@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 
 from ...equations import Equations, ParameterSlot, Row
@@ -80,11 +80,14 @@ def _apart(draw: random.Random) -> Fraction:
 
 
 def started(
-    g: Graph, parameters: tuple[ParameterSlot, ...], starts: tuple[Row, Row, Row]
+    g: Graph,
+    parameters: tuple[ParameterSlot, ...],
+    starts: tuple[Row, Row, Row],
+    change: Callable[[int, float], float] = lambda _, value: value,
 ) -> dict[Symbol, float]:
     """Returns the values of all symbols at the start: the initial values `starts` of coordinates,
-    rates and states, the default values of parameters, and t = 0."""
-    values = defaults(g, parameters)
+    rates and states, the default values of parameters with `change`, and t = 0."""
+    values = defaults(g, parameters, change)
     kinds = (Kind.COORDINATE, Kind.RATE, Kind.STATE)
     found = {
         Symbol(kind, i): x
