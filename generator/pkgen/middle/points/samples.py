@@ -58,7 +58,7 @@ def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> 
         for i, s in enumerate(symbols):
             at = _short(start.get(s, 0.0)) * Fraction(draw.randint(12, 20), 16)
             at = (at, Fraction(0), numbers[(turn + i) % len(numbers)])[how]
-            apart = _apart(draw) / (16, 8, 16)[how]
+            apart = Fraction(draw.choice((-1, 1)) * draw.randint(1, 16), (16, 8, 16)[how])
             chosen[s] = at + apart or apart  # avoids 0, where terms may vanish by chance
         varied = {}
         if k >= tried // 2:
@@ -73,10 +73,6 @@ def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> 
         more = accelerations(equations, g, balls, values) if solved else {}
         if more is not None:
             yield Sample(values | more, chosen, bool(varied))
-
-
-def _apart(draw: random.Random) -> Fraction:
-    return draw.choice((-1, 1)) * Fraction(draw.randint(1, 16))
 
 
 def started(
