@@ -62,10 +62,6 @@ class Candidate:
     def name(self) -> str:
         return self.method.name
 
-    @property
-    def text(self) -> str:
-        return f"{self.name} {self.rows}"
-
 
 def candidates(structure: object, methods: Iterable[ChartedMethod]) -> list[Candidate]:
     """Returns the candidates that apply to a system with the facts `structure`."""

@@ -76,11 +76,9 @@ def fill(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]],
     how = {"cmap": colours, "norm": norm, "rasterized": True}
     axes.pcolormesh(edges(hs), edges(xs), around, **how)
     h, x, parts = edges(hs), edges(xs), np.argwhere(alone)
-    squares = [
-        Rectangle((h[j] + MARGIN * (h[j + 1] - h[j]), x[i] + MARGIN * (x[i + 1] - x[i])),
-                  (1 - 2 * MARGIN) * (h[j + 1] - h[j]), (1 - 2 * MARGIN) * (x[i + 1] - x[i]))
-        for i, j in parts
-    ]  # fmt: skip
+    left, wide = h[:-1] + MARGIN * np.diff(h), (1 - 2 * MARGIN) * np.diff(h)
+    low, high = x[:-1] + MARGIN * np.diff(x), (1 - 2 * MARGIN) * np.diff(x)
+    squares = [Rectangle((left[j], low[i]), wide[j], high[i]) for i, j in parts]
     fills = [_colour(order[cells[i, j]], look) for i, j in parts]
     axes.add_collection(PatchCollection(squares, fc=fills, lw=0, rasterized=True))
     used = {order[k] for k in np.unique(cells)}

@@ -92,10 +92,10 @@ def find(asker: Asker, period: float | None) -> Cycle | None:
         for orbit in asker.orbits(state=start, h=time, count=1, free=period is None) or ():
             if orbit.rests or not 0.5 * time < orbit.h < 2 * time:
                 continue
-            near = [z for z in orbit.multipliers if abs(z - 1) < 0.01]
-            same = [z for z in orbit.multipliers if abs(z - 1) < 1e-6]
-            trivial = len(same) if period is not None else max(len(near), 1)
-            return Cycle(orbit.h, period is not None, orbit, trivial)
+            driven = period is not None
+            near = 1e-6 if driven else 0.01
+            trivial = max(sum(abs(z - 1) < near for z in orbit.multipliers), not driven)
+            return Cycle(orbit.h, driven, orbit, trivial)
     return None
 
 
@@ -221,7 +221,7 @@ def driven_period(equations: Equations, parameters: tuple[float, ...]) -> float 
         for node in reachable(g, roots, BIT[Kind.TIME])
         if g.op[node] is Op.CALL and g.data[node] in WAVES
     ]
-    values = {s: 0.5 for s in symbols_in(g, waves)}
+    values = dict.fromkeys(symbols_in(g, waves), 0.5)
     values |= {s: parameters[s.index] for s in values if s.kind == Kind.PARAMETER}
     phases = [evaluate(g, waves, values | {Symbol(Kind.TIME): t}) for t in (0.0, 1.0)]
     rates = {abs(b - a) for a, b in zip(*phases, strict=True) if b != a}

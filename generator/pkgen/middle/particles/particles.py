@@ -65,7 +65,7 @@ def particles_of(x: Expander, energies: Energies, given: Given) -> Particles:
             refusals.append(refusal)
     if found:
         return found[0]
-    return Particles((), (), (), (), why=refusals[0].why, span=span)
+    return Particles((), (), (), (), why=str(refusals[0]), span=span)
 
 
 def _proved(x: Expander, energies: Energies, bodies: list[Body]) -> Particles:
