@@ -182,6 +182,10 @@ class Graph(Nodes):
     def product(self, nodes: Iterable[Node]) -> Node:
         return reduce(self.multiply, nodes, ONE)
 
+    def dot(self, a: Iterable[Node], b: Iterable[Node]) -> Node:
+        """Returns the sum of the products of the elements of two vectors."""
+        return self.sum(map(self.multiply, a, b))
+
     def divide(self, a: Node, b: Node) -> Node:
         return self.multiply(a, self.power(b, -1))
 

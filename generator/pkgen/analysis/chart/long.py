@@ -37,8 +37,8 @@ class Decade:
     steps: int
     t: float
     seconds: float
-    drifts: dict[str, float]
     status: str
+    drifts: dict[str, float]
 
 
 @record
@@ -134,7 +134,7 @@ def _decades(
             break
         drifts = told["drifts"]
         largest = {d["name"]: math.inf if d["max"] is None else float(d["max"]) for d in drifts}
-        found.append(Decade(steps, told["t"], told["processor"], largest, told["status"]))
+        found.append(Decade(steps, told["t"], told["processor"], told["status"], largest))
         if told["status"] != "PK_DONE":
             reason = told["reason"]
             break

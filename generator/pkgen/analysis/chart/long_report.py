@@ -66,13 +66,8 @@ def record(long: Long) -> dict[str, object]:
                 "exponents": one.exponents,
                 "reason": one.reason,
                 "decades": [
-                    {
-                        "steps": d.steps,
-                        "t": d.t,
-                        "seconds": d.seconds,
-                        "status": d.status,
-                        "drifts": {k: v if math.isfinite(v) else None for k, v in d.drifts.items()},
-                    }
+                    vars(d)
+                    | {"drifts": {k: v if math.isfinite(v) else None for k, v in d.drifts.items()}}
                     for d in one.decades
                 ],
             }

@@ -256,14 +256,10 @@ def _judge(again: Trial, beside: Trial, ignored: tuple[int, ...], accuracy: floa
 def part(t: float, every: float) -> tuple[float, float]:
     """Returns a time below t that is a multiple of the time between rows, and this time between
     rows: 0 if it is `every`, that of the scene, or a fraction of `every`."""
-    count = int(0.9 * t / every)
-    if count >= 8:
-        return count * every, 0.0
-    # If a trial would have too few rows, the interval between rows is divided.
     interval = every
-    while interval * 8 > 0.9 * t:
+    while interval * 8 > 0.9 * t:  # A trial would have too few rows.
         interval /= 2
-    return int(0.9 * t / interval) * interval, interval
+    return int(0.9 * t / interval) * interval, interval if interval < every else 0.0
 
 
 def _noise(agree: list[Trial], scales: tuple[float, ...]) -> tuple[int, ...]:

@@ -137,8 +137,7 @@ class _Steps:
         high = math.inf if kept is None else self._count(kept)
         if high - low <= 1:
             return None
-        count = max(low + 1, count) if high == math.inf else min(max(low + 1, count), high - 1)
-        return self.interval / count
+        return self.interval / min(max(low + 1, count), high - 1)
 
     def _count(self, trial: Trial) -> int:
         return round(self.interval / trial.setting)

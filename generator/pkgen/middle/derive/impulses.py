@@ -37,7 +37,7 @@ from ...indices import multiplied
 from ...model import Model
 from ...source import ModelError, Span
 from ..attitudes import slopes
-from ..quantities import error
+from ..quantities import error, symbols
 from .switches import free
 
 # Bits of `impulse`, a field of Switch. OF_ENERGY: L or a holonomic constraint row may jump.
@@ -248,7 +248,7 @@ def _slopes(
     beside = BIT[Kind.TIME] | BIT[Kind.INPUT] | BIT[Kind.STATE]
     by = gradient(g, argument, _PLACES | beside)
     turning = slopes(g, e.attitudes, by)
-    places = (g.symbol(Symbol(Kind.COORDINATE, i)) for i in range(count))
+    places = symbols(g, Kind.COORDINATE, count)
     slope = tuple(turning.get(i, by.get(place, ZERO)) for i, place in enumerate(places))
     rate = ZERO
     for symbol, x in by.items() if any(node != ZERO for node in slope) else ():

@@ -97,7 +97,7 @@ def lagrangian_of(x: Expander, hamiltonian: Node) -> Node:
         help = "each momentum needs its square in H, as p_x^2/(2*m)"
         raise error(x.model, message, x.model.hamiltonian[0].span, help)
     half = g.number(Fraction(1, 2))
-    return g.subtract(g.multiply(half, g.sum(map(g.multiply, relative, found))), rest)
+    return g.subtract(g.multiply(half, g.dot(relative, found)), rest)
 
 
 def rates_at_start(x: Expander, place: Row, momenta: Row, states: Row) -> Row:
