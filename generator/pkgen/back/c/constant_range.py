@@ -13,7 +13,6 @@ from dataclasses import fields, is_dataclass, replace
 from decimal import Context, Decimal
 from fractions import Fraction
 from sys import float_info
-from typing import TYPE_CHECKING
 
 from ...graph.evaluate import value_of
 from ...graph.graph import Kind, Node, Op
@@ -21,9 +20,6 @@ from ...graph.magnitudes import may_vanish
 from ...model import Model
 from ...source import Diagnostic, ModelError
 from ...tree import Number
-
-if TYPE_CHECKING:
-    from .rewrite import Workspace
 
 _FLOAT = 2.0**-126, 2.0**128  # The smallest normal number and the upper bound of C's float.
 
@@ -43,9 +39,10 @@ class Beyond(Exception):
 
 
 class Constants:
-    """Checks the range of the constants in a C program while it is written."""
+    """Checks the range of the constants in a C program while it is written. `work` is a Workspace
+    (rewrite.py)."""
 
-    def __init__(self, work: Workspace) -> None:
+    def __init__(self, work) -> None:
         self._work = work
         self._values: dict[Node, float | None] = {}  # None for nodes with parameters
         self.float_too = True  # whether all constants fit in C's float
