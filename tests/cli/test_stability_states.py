@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 from scipy.optimize import brentq
-from stability_asker import mapped
+from stability_asker import PENDULUM, asker, mapped, point, start
 
-from conftest import seeds
+from conftest import ROOT, seeds
 
 # The limit of u' = lambda u on the negative real axis: 1 + z + z^2/2 + z^3/6 + z^4/24 = 1.
 RK4_REAL = 2.785293563405282
@@ -98,3 +98,14 @@ def test_a_limit_beyond_which_growth_is_slow(tmp_path: Path) -> None:
     found = limits(mapped(tmp_path, text, *FEW, "euler", "--until", "40"))["euler"]
     assert found["h"] == pytest.approx(2 * c / w**2, rel=1e-6)
     assert found["measured"] == pytest.approx(found["h"], rel=0.01)
+
+
+@pytest.mark.parametrize(("name", "places"), [("vortex_pair", []), ("lotka_volterra", [[1, 1]])])
+def test_what_is_no_equilibrium(name: str, places: list) -> None:
+    """Vortices rest at infinity alone; log x has no value at x = 0."""
+    text = (ROOT / f"tests/regimes/models/{name}.lag").read_text(encoding="utf-8")
+    assert [[round(x, 9) for x in e.v] for e in asker(text).rest().equilibria] == places
+
+
+def test_a_motion_at_rest_has_points() -> None:
+    assert point(start(asker(PENDULUM), 0.0), "rk4", 0.1).kind == "bounded"

@@ -58,7 +58,7 @@ class Motion:
     without: bool = False
     exact: object = None
     between: object = None
-    ignored: tuple[int, ...] = ()
+    ignored: frozenset[int] = frozenset()
 
     @property
     def settings(self) -> SimpleNamespace:
@@ -166,12 +166,9 @@ def test_an_expectation_that_round_off_blurs_does_not_forbid_what_is_recorded() 
     class Blurred(Motion):
         """Behind what is recorded stands one expectation, known to 1e-3 of itself."""
 
-        ignored: tuple[int, ...] = ()
+        ignored: frozenset[int] = frozenset()
         watched = SimpleNamespace(columns=lambda: ["expectation 1"])
         settings = SimpleNamespace(until=1.0, every=1.0, watched=watched)
-
-        def ignore(self, column: int) -> None:
-            self.ignored += (column,)
 
         def keep_as_exact(self) -> tuple[float, ...]:
             return (1.0, 1.0)

@@ -22,7 +22,7 @@ ADAPTIVE = Candidate(method("dop853", 8, "adaptive"), LAND, "")
 
 def trial(candidate: Candidate, setting: float, error: float, seconds: float, **more) -> Trial:
     usual = {
-        "able": True,
+        "refused": False,
         "reason": "",
         "arrived": True,
         "slow": False,
@@ -109,7 +109,7 @@ def test_what_is_refused_or_never_arrives_says_why() -> None:
             setting,
             math.inf,
             math.inf,
-            able=False,
+            refused=True,
             reason="needs da/dq",
             arrived=False,
         )

@@ -95,17 +95,14 @@ def shortened(text: str) -> str:
 def _smooth(equations: Equations | LoopEquations, structure: Facts) -> str:
     if structure.smooth or not equations.switches:
         return _yes(structure.smooth, "", "abs, min, max or step: take small steps at kinks")
-    if isinstance(equations, LoopEquations):
-        names = [switch.name for switch in equations.switches]
-    else:
-        names = [switch.quantity.name for switch in equations.switches]
+    looped = isinstance(equations, LoopEquations)
+    names = [x.name if looped else x.quantity.name for x in equations.switches]
     shown = names if len(names) <= SHOWN else [*names[:2], "...", names[-1], f"({len(names)})"]
     said = f"between zeros of {', '.join(shown)}, which a run locates"
     if structure.switched:
         return said
-    if isinstance(equations, LoopEquations):
-        return f"no: kinks, at which small steps are to be taken; {said}"
-    return f"no: roots of what bends; {said}"
+    why = "kinks, at which small steps are to be taken" if looped else "roots of what bends"
+    return f"no: {why}; {said}"
 
 
 def _impulses(equations: Equations) -> str:

@@ -95,16 +95,10 @@ def library(files: Mapping[str, str], shown: str, target: Target | None = None) 
 
     def make(new) -> None:
         objects = _core(core, compiles)
-        for path in (path for path in core if path.endswith(".h")):
-            (new / path).parent.mkdir(parents=True, exist_ok=True)
-            (new / path).write_text(core[path], encoding="utf-8")
-        sources = [path for path in files if path not in core and path.endswith(".c")]
-        for path in files:
-            if path not in core:
-                (new / path).write_text(files[path], encoding="utf-8")
-        (new / "exports").write_text(f"{{ global: {shown}*; local: *; }};\n", encoding="utf-8")
-        _each(compiles, sources, new)
-        made = [f"{source}.o" for source in sources]
+        own = {path: text for path, text in files.items() if path not in core}
+        headers = {path: text for path, text in core.items() if path.endswith(".h")}
+        exports = {"exports": f"{{ global: {shown}*; local: *; }};\n"}
+        made = [f"{source}.o" for source in _compiled({**headers, **own, **exports}, compiles, new)]
         run([*link, *made, *map(str, sorted(objects.glob("*.o"))), *libraries, "-o", name], new)
         for path in list(new.iterdir()):
             if path.name != name:
@@ -121,12 +115,7 @@ def _core(files: Mapping[str, str], compiles: Sequence[str]):
     """Returns the cache folder with the object files of the runtime's C files."""
 
     def make(new) -> None:
-        for path, text in files.items():
-            (new / path).parent.mkdir(parents=True, exist_ok=True)
-            (new / path).write_text(text, encoding="utf-8")
-        sources = [path for path in files if path.endswith(".c")]
-        _each(compiles, sources, new)
-        for path in sources:
+        for path in _compiled(files, compiles, new):
             os.replace(new / f"{path}.o", new / f"{path.replace('/', '_')}.o")
         for folder in ("src", "include"):
             shutil.rmtree(new / folder, ignore_errors=True)
@@ -134,12 +123,19 @@ def _core(files: Mapping[str, str], compiles: Sequence[str]):
     return cached("cores", _digest(compiles, sorted(files.items())), make)
 
 
-def _each(compiles: Sequence[str], sources: Sequence[str], folder) -> None:
+def _compiled(files: Mapping[str, str], compiles: Sequence[str], folder) -> list[str]:
+    """Writes the files and compiles the C files among them, whose paths it returns."""
+    for path, text in files.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_text(text, encoding="utf-8")
+    sources = [path for path in files if path.endswith(".c")]
+
     def one(source: str) -> None:
         run([*compiles, "-c", source, "-o", f"{source}.o"], folder)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(one, sources))
+    return sources
 
 
 def _zig(target: Target) -> list[str]:

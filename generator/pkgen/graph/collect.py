@@ -126,10 +126,15 @@ def grouped(g: Graph, normal: Normal, polynomial: Polynomial) -> list[Term]:
     once; its scale contains all numbers and parameters."""
     scales: dict[Monomial, Polynomial] = {}
     for monomial in sorted(polynomial):
-        fixed = tuple(f for f in monomial if not g.depends[f[0]] & VARIABLE)
-        free = tuple(f for f in monomial if g.depends[f[0]] & VARIABLE)
+        fixed, free = parted(g, monomial)
         scales.setdefault(free, {})[fixed] = polynomial[monomial]
     return [(normal.plain(scale), free) for free, scale in scales.items()]
+
+
+def parted(g: Graph, monomial: Monomial) -> tuple[Monomial, Monomial]:
+    """Returns the factors of a monomial without variables, and those with variables."""
+    fixed = tuple(f for f in monomial if g.is_constant(f[0]))
+    return fixed, tuple(f for f in monomial if not g.is_constant(f[0]))
 
 
 def _factored(g: Graph, terms: list[Term]) -> Node:

@@ -6,7 +6,7 @@ Reference: A. Griewank, A. Walther, Evaluating Derivatives, SIAM 2008, chapters 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import TypeVar
 
 from ..functions import FUNCTIONS
@@ -40,6 +40,20 @@ def reachable(g: Graph, outputs: Iterable[Node], mask: int = -1) -> list[Node]:
             found = {n for n in found if depends[n] & mask}
         seen |= found
         found = set().union(*map(args, found)) - seen  # set operations are faster than a loop
+    return sorted(seen)
+
+
+def unknown(
+    args: Callable[[Node], Iterable[Node]], outputs: Iterable[Node], known: Collection[Node]
+) -> list[Node]:
+    """Returns the outputs and the nodes below them that are not in `known`, in topological order.
+    Nodes below known ones are left out. `args` returns the arguments of a node."""
+    seen: set[Node] = set()
+    found = {node for node in outputs if node not in known}
+    while found:
+        seen |= found
+        found = set().union(*map(args, found)) - seen
+        found = {node for node in found if node not in known} if known else found
     return sorted(seen)
 
 

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from fractions import Fraction
 
 from ..functions import FUNCTIONS
 from .differentiate import reachable, swept
 from .graph import Graph, Kind, Node, Op, Symbol
-from .written import text_of
+from .written import Written
 
 # Expressions with fewer nodes than this are compiled to a Python function.
 COMPILED = 5_000
-# Numbers from this magnitude on may overflow a double, and are not written as literals.
-_PLAIN = 1e300
+_UNDEFINED = ValueError, OverflowError, ZeroDivisionError
 # The largest number of bits of a power that is evaluated exactly.
 BITS = 100_000
 
@@ -30,40 +30,17 @@ class Evaluator:
 
     def __init__(self, g: Graph, nodes: Iterable[Node]):
         self.graph, self.nodes = g, list(nodes)
-        order = reachable(g, self.nodes)
-        self._evaluated = self._compiled(order) if len(order) < COMPILED else None
-
-    def _compiled(self, order: list[Node]) -> Callable[[Mapping[Symbol, float]], list[float]]:
-        g = self.graph
-        used: dict[str, object] = {"pow": math.pow}
-        lines = []
-        for node in order:
-            op, data = g.op[node], g.data[node]
-            if op is Op.NUMBER:
-                value = repr(float(data)) if abs(data) < _PLAIN else f"value({node})"
-            elif op is Op.SYMBOL and data.kind is Kind.PI:
-                value = repr(math.pi)
-            else:
-                value = text_of(g, node, (used,), "real", "", _power)
-            lines.append(f"  x{node} = {value}")
-        used["value"] = lambda node: float(g.data[node])
-        results = ", ".join(f"x{node}" for node in self.nodes)
-        body = "\n".join([*lines, f"  return [{results}]"])
-        exec(f"def evaluated(values):\n{body}", used)
-        return used["evaluated"]
+        self._written: Written | None = None
+        if len(reachable(g, self.nodes)) < COMPILED:
+            with suppress(*_UNDEFINED):
+                self._written = Written(g, self.nodes, None, field="real")
 
     def __call__(self, values: Mapping[Symbol, float]) -> list[float]:
         """Returns the values of the nodes, as evaluate() does."""
-        if self._evaluated is None:
-            return evaluate(self.graph, self.nodes, values)
-        try:
-            return self._evaluated(values)
-        except (ValueError, OverflowError, ZeroDivisionError):
-            return evaluate(self.graph, self.nodes, values)
-
-
-def _power(base: str, exponent: Fraction) -> str:
-    return f"pow({base}, {float(exponent)!r})"
+        if self._written:
+            with suppress(*_UNDEFINED):
+                return self._written(None, values)
+        return evaluate(self.graph, self.nodes, values)
 
 
 def value_of(g: Graph, node: Node, args: list[float], values: Mapping[Symbol, float]) -> float:

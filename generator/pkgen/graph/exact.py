@@ -212,14 +212,12 @@ class Exact(Normal):
             sin: Polynomial = {((self.graph.call("sin", base), 1),): 1 if times > 0 else -1}
             for _ in range(abs(times)):
                 real, imaginary = (
-                    self.added(self.multiplied(real, cos), self.minus(imaginary, sin)),
+                    self.added(
+                        self.multiplied(real, cos), self.negated(self.multiplied(imaginary, sin))
+                    ),
                     self.added(self.multiplied(real, sin), self.multiplied(imaginary, cos)),
                 )
         return real, imaginary
-
-    def minus(self, a: Polynomial, b: Polynomial) -> Polynomial:
-        """Returns the product -a b."""
-        return {m: -c for m, c in self.multiplied(a, b).items()}
 
     # -- functions for `opened` of the function table; None if the expansion is too large --------
 

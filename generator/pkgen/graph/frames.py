@@ -29,18 +29,13 @@ def cross(g: Graph, a: Vector3, b: Vector3) -> Vector3:
     )
 
 
-def dot(g: Graph, a: Vector3, b: Vector3) -> Node:
-    return g.sum(g.multiply(i, j) for i, j in zip(a, b, strict=True))
-
-
 def added(g: Graph, a: Vector3, b: Vector3) -> Vector3:
-    return tuple(g.add(i, j) for i, j in zip(a, b, strict=True))
+    return tuple(map(g.add, a, b))
 
 
 def combined(g: Graph, columns: tuple[Vector3, ...], a: Vector3) -> Vector3:
     """Returns the product of a matrix, given by its columns, and the vector a."""
-    rows = zip(*columns, strict=True)
-    return tuple(g.sum(g.multiply(c, i) for c, i in zip(row, a, strict=True)) for row in rows)
+    return tuple(g.dot(row, a) for row in zip(*columns, strict=True))
 
 
 def columns(
@@ -145,7 +140,7 @@ class Torques:
             torque = self.torque.pop(k, (ZERO, ZERO, ZERO))
             for vector, bar in sorted(self.pulls.pop(k, {}).items()):
                 torque = added(g, torque, cross(g, vector, tuple(bar)))
-            found.append((frame.angle, dot(g, frame.axis, torque)))
+            found.append((frame.angle, g.dot(frame.axis, torque)))
             if frame.parent != ROOT:
                 before = self.torque.get(frame.parent, (ZERO, ZERO, ZERO))
                 self.torque[frame.parent] = added(g, before, torque)

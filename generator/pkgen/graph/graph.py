@@ -182,6 +182,10 @@ class Graph(Nodes):
     def product(self, nodes: Iterable[Node]) -> Node:
         return reduce(self.multiply, nodes, ONE)
 
+    def dot(self, a: Iterable[Node], b: Iterable[Node]) -> Node:
+        """Returns the sum of the products of the elements of two vectors."""
+        return self.sum(map(self.multiply, a, b))
+
     def divide(self, a: Node, b: Node) -> Node:
         return self.multiply(a, self.power(b, -1))
 
@@ -239,7 +243,10 @@ class Graph(Nodes):
         if exponent == 1 or base == ONE:
             return base
         if self._domain[base] == 0:
-            return self._number_power(base, exponent)
+            exact = raised(self.data[base], Fraction(exponent))
+            if exact is not None:
+                return self.number(exact)
+            return self._power_node(base, Fraction(exponent))
         if not isinstance(exponent, int):
             if exponent.denominator == 2:
                 return self.power(self.call("sqrt", base), exponent.numerator)
@@ -271,10 +278,6 @@ class Graph(Nodes):
         if exponent < 0:
             base, exponent = self._power_node(base, -1), -exponent
         return base if exponent == 1 else self._power_node(base, exponent)
-
-    def _number_power(self, base: Node, exponent: Fraction | int) -> Node:
-        exact = raised(self.data[base], Fraction(exponent))
-        return self._power_node(base, Fraction(exponent)) if exact is None else self.number(exact)
 
     # -- functions ----------------------------------------------------------------------------
 

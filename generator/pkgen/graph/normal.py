@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from .differentiate import unknown
 from .graph import Graph, Node, Op
 from .monomials import merged
 
@@ -55,27 +56,16 @@ class Normal:
     def __call__(self, output: Node) -> Polynomial | None:
         """Returns the normal form of the node, or None if it would take too much work."""
         try:
-            for node in self._below(output):
+            for node in unknown(self._opened_args, [output], self.known):
                 if node not in self.known:
                     self.known[node] = self._polynomial(node)
         except TooMuch:
             return None
         return self.known[output]
 
-    def _below(self, output: Node) -> list[Node]:
-        """Returns the nodes below the output whose normal forms must be computed before that of the
-        output, sorted. Nodes below sums that stay unexpanded are left out."""
-        g = self.graph
-        seen: set[Node] = set()
-        stack = [output]
-        while stack:
-            node = stack.pop()
-            if node in seen or node in self.known:
-                continue
-            seen.add(node)
-            if node not in self.closed:
-                stack.extend(g.args[node])
-        return sorted(seen)
+    def _opened_args(self, node: Node) -> tuple[Node, ...]:
+        """Returns the arguments of a node; () of a sum that stays unexpanded."""
+        return () if node in self.closed else self.graph.args[node]
 
     def _polynomial(self, node: Node) -> Polynomial:
         g = self.graph

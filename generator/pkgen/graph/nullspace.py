@@ -12,6 +12,7 @@ from __future__ import annotations
 import random
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 from math import gcd, lcm
 
 from .nodes import Node
@@ -141,16 +142,12 @@ def _solved(needed: list[Row], every: list[Row], width: int) -> list[Vector]:
 
 
 def _without_denominators(ring, fractions: list) -> list:
-    common = ring.one
-    for x in fractions:
-        common = common.lcm(x.denom)
+    common = reduce(lambda a, x: a.lcm(x.denom), fractions, ring.one)
     return [x.numer * common.exquo(x.denom) for x in fractions]
 
 
 def _without_common_factors(ring, vector: list) -> list:
-    divisor = ring.zero
-    for x in vector:
-        divisor = divisor.gcd(x)
+    divisor = reduce(lambda a, x: a.gcd(x), vector, ring.zero)
     whole = [x.exquo(divisor) for x in vector]
     sign = -1 if next(x for x in reversed(whole) if x).LC < 0 else 1
     # A greatest common divisor over the rationals does not contain numeric factors.

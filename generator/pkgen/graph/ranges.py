@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from ..functions import FUNCTIONS
 from ..functions.interval import ANY, INF, POSITIVE, Range
+from .differentiate import unknown
 from .graph import Graph, Kind, Node, Op
 
 
@@ -23,11 +24,7 @@ class Ranges:
         self.known: dict[Node, Range] = {}
 
     def __call__(self, output: Node) -> Range:
-        new, found = set(), {output} - self.known.keys()
-        while found:
-            new |= found
-            found = {a for node in found for a in self.graph.args[node]} - self.known.keys() - new
-        for node in sorted(new):
+        for node in unknown(self.graph.args.__getitem__, [output], self.known):
             self.known[node] = self._range(node)
         return self.known[output]
 

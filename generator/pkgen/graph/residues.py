@@ -16,6 +16,7 @@ from collections.abc import Iterable
 from fractions import Fraction
 
 from ..functions import FUNCTIONS
+from .differentiate import unknown
 from .graph import BIT, Graph, Node, Op
 from .nodes import SQUARES
 
@@ -46,14 +47,7 @@ class Residues:
     def learn(self, outputs: Iterable[Node]) -> None:
         """Computes and caches the values of many nodes in one sweep."""
         known, args, ops, data = self.known, self.graph.args, self.graph.op, self.graph.data
-        missing = {output for output in outputs if output not in known}
-        stack = list(missing)
-        while stack:
-            for a in args[stack.pop()]:
-                if a not in known and a not in missing:
-                    missing.add(a)
-                    stack.append(a)
-        for node in sorted(missing):
+        for node in unknown(args.__getitem__, outputs, known):
             values = [known[a] for a in args[node]]
             op = ops[node]
             if None in values:
@@ -88,11 +82,8 @@ class Varying:
         `mask`."""
         if not self.graph.depends[node] & mask:
             return False
-        here = self.worlds[0](node)
-        if here is None:
-            return False
-        there = self._world(mask)(node)
-        return there is not None and here != there
+        values = {self.worlds[0](node), self._world(mask)(node)}
+        return None not in values and len(values) > 1
 
     def learn(self, nodes: list[Node], mask: int) -> None:
         """Computes and caches the values of many nodes for later calls, in one sweep for each

@@ -95,48 +95,33 @@ def factors(g: Graph, mass: tuple[Row, ...], order: list[int]) -> Factors | None
     n = len(mass)
     inverses: list[Node] = []
     pivots: list[Node] = []
-    # In the order of elimination: lower[i][j] = l_ij, scaled[i][j] = l_ij d_j.
     lower: list[list[Node]] = [[ZERO] * n for _ in range(n)]
-    scaled: list[list[Node]] = [[ZERO] * n for _ in range(n)]
-    for i in range(n):
-        for j in range(i + 1):
+
+    def eliminated(i: int, last: int) -> Node:
+        """Returns the entry in row i and column `last` after elimination of the columns to its
+        left, and sets the entries of `lower` there. Both are numbered in the order of
+        elimination."""
+        row: list[Node] = []  # l_ij d_j
+        for j in range(last + 1):
             entry = mass[order[i]][order[j]]
             for k in range(j):
-                entry = g.subtract(entry, g.multiply(scaled[i][k], lower[j][k]))
-            if j < i:
-                scaled[i][j] = entry
+                entry = g.subtract(entry, g.multiply(row[k], lower[j][k]))
+            row.append(entry)
+            if j < len(inverses):
                 lower[i][j] = g.multiply(entry, inverses[j])
-            elif entry == ZERO:
-                # If all entries below this zero pivot are zero too, M is singular at every state.
-                # Otherwise M is indefinite, which a check at run time reports.
-                if all(rest == ZERO for rest in _below(g, mass, order, lower, i)):
-                    raise SingularMass(order[i])
-                return None
-            else:
-                pivots.append(entry)
-                inverses.append(g.power(entry, -1))
+        return row[last]
+
+    for i in range(n):
+        pivot = eliminated(i, i)
+        if pivot == ZERO:
+            # If all entries below this zero pivot are zero too, M is singular at every state.
+            # Otherwise M is indefinite, which a check at run time reports.
+            if all(eliminated(row, i) == ZERO for row in range(i + 1, n)):
+                raise SingularMass(order[i])
+            return None
+        pivots.append(pivot)
+        inverses.append(g.power(pivot, -1))
     return Factors(order, lower, pivots, inverses)
-
-
-def _below(
-    g: Graph,
-    mass: tuple[Row, ...],
-    order: list[int],
-    lower: list[list[Node]],
-    column: int,
-) -> list[Node]:
-    """Returns the entries of a column below the diagonal, after elimination of the columns to its
-    left."""
-    found = []
-    for row in range(column + 1, len(order)):
-        left: list[Node] = []
-        for j in range(column + 1):
-            entry = mass[order[row]][order[j]]
-            for k in range(j):
-                entry = g.subtract(entry, g.multiply(left[k], lower[j][k]))
-            left.append(entry)
-        found.append(left[column])
-    return found
 
 
 def _check_residues(g: Graph, mass: tuple[Row, ...]) -> None:

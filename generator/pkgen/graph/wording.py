@@ -19,13 +19,13 @@ Worded = tuple[str, int]
 def wording(g: Graph, node: Node, name: Callable[[Symbol], str]) -> str:
     """Returns the text of a node, truncated to LONGEST characters; `name` returns the name of a
     symbol."""
-    ((text, _),) = swept(g, [node], lambda part, parts: _written(g, part, parts, name))
+
+    def written(part: Node, parts: list[Worded]) -> Worded:
+        text, tightness = _joined(g, part, parts, name)
+        return text[: 2 * LONGEST], tightness  # the result is truncated further
+
+    ((text, _),) = swept(g, [node], written)
     return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
-
-
-def _written(g: Graph, node: Node, parts: list[Worded], name: Callable[[Symbol], str]) -> Worded:
-    text, tightness = _joined(g, node, parts, name)
-    return text[: 2 * LONGEST], tightness  # the result is truncated further
 
 
 def _joined(g: Graph, node: Node, parts: list[Worded], name: Callable[[Symbol], str]) -> Worded:

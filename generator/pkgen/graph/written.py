@@ -11,7 +11,7 @@ from typing import Any
 
 from ..functions import FUNCTIONS
 from .differentiate import reachable
-from .graph import Graph, Kind, Node, Op, Symbol
+from .graph import BIT, VARIABLE, Graph, Kind, Node, Op, Symbol
 
 MOST_PRODUCTS = 8
 
@@ -30,24 +30,32 @@ class Written:
     """A compiled function (domain, values of symbols) -> values of the nodes."""
 
     def __init__(
-        self, g: Graph, nodes: Iterable[Node], constants: Mapping[Symbol, Any], domain: Any = Floats
+        self,
+        g: Graph,
+        nodes: Iterable[Node],
+        constants: Mapping[Symbol, Any] | None,
+        domain: Any = Floats,
+        field: str = "enclosed",
     ):
         """Compiles the nodes. `constants` holds the values of the parameters in `domain`.
-        Expressions of parameters alone are evaluated once, here."""
-        self.nodes = list(nodes)
-        used: dict[str, object] = {}
+        Expressions of parameters alone are evaluated once, here. If it is None, `values` has the
+        parameters too. `field` is the field of functions/row.py with the functions: "enclosed", or
+        "real" for floating point numbers."""
+        self.nodes, self.field = list(nodes), field
+        varies = VARIABLE if constants is not None else ~BIT[Kind.PI]
+        used: dict[str, object] = {"pow": math.pow}
         lines: list[str] = []
         for node in reachable(g, self.nodes):
             args, data = g.args[node], g.data[node]
-            if not g.is_constant(node):
-                lines.append(f"  x{node} = {_text(g, node, used)}")
+            if g.depends[node] & varies:
+                lines.append(f"  x{node} = {self._text(g, node, [used])}")
             elif g.op[node] is Op.NUMBER:
                 used[f"x{node}"] = domain.number(data)
             elif g.op[node] is Op.SYMBOL:
                 used[f"x{node}"] = domain.pi if data.kind is Kind.PI else constants[data]
             else:
                 scope = used | {f"x{a}": used[f"x{a}"] for a in args} | {"e": domain}
-                used[f"x{node}"] = eval(_text(g, node, used, scope), scope)
+                used[f"x{node}"] = eval(self._text(g, node, [used, scope]), scope)
         results = ", ".join(f"x{node}" for node in self.nodes)
         body = "\n".join([*lines, f"  return [{results}]"])
         exec(f"def evaluated(e, values):\n{body}", used)
@@ -56,36 +64,24 @@ class Written:
     def __call__(self, domain: Any, values: Mapping[Symbol, Any]) -> list[Any]:
         return self.called(domain, values)
 
-
-def _text(g: Graph, node: Node, used: dict[str, object], scope: dict | None = None) -> str:
-    return text_of(g, node, (used,) if scope is None else (used, scope), "enclosed", "e, ", _power)
-
-
-def text_of(
-    g: Graph,
-    node: Node,
-    scopes: Iterable[dict[str, object]],
-    function: str,
-    before: str,
-    power: Callable[[str, Fraction], str],
-) -> str:
-    """Returns the Python expression of a node that is not a number. The variables for its arguments
-    are named x1, x2, ... after the numbers of the nodes. The expression also names objects, which
-    are added to each dictionary in `scopes`: for a symbol the symbol, for a call the attribute
-    `function` of the row in the table of functions. `before` is text in front of the arguments of a
-    call. The function `power` returns the text of a power."""
-    op, args, data = g.op[node], [f"x{a}" for a in g.args[node]], g.data[node]
-    if op is Op.ADD:
-        return " + ".join(args)
-    if op is Op.MULTIPLY:
-        return " * ".join(args)
-    if op is Op.POWER:
-        return power(args[0], data)
-    symbol = op is Op.SYMBOL
-    name = f"s{node}" if symbol else f"f_{data}"
-    for each in scopes:
-        each[name] = data if symbol else getattr(FUNCTIONS[data], function)
-    return f"values[{name}]" if symbol else f"{name}({before}{', '.join(args)})"
+    def _text(self, g: Graph, node: Node, scopes: Iterable[dict[str, object]]) -> str:
+        """Returns the Python expression of a node that is not a number. The variables for its
+        arguments are named x1, x2, ... after the numbers of the nodes. The expression also names
+        objects, which are added to each dictionary in `scopes`: for a symbol the symbol, for a call
+        the function."""
+        op, args, data = g.op[node], [f"x{a}" for a in g.args[node]], g.data[node]
+        enclosed = self.field == "enclosed"
+        if op is Op.ADD:
+            return " + ".join(args)
+        if op is Op.MULTIPLY:
+            return " * ".join(args)
+        if op is Op.POWER:
+            return _power(args[0], data) if enclosed else f"pow({args[0]}, {float(data)!r})"
+        symbol = op is Op.SYMBOL
+        name = f"s{node}" if symbol else f"f_{data}"
+        for each in scopes:
+            each[name] = data if symbol else getattr(FUNCTIONS[data], self.field)
+        return f"values[{name}]" if symbol else f"{name}({', '.join(['e'] * enclosed + args)})"
 
 
 def _power(base: str, exponent: Fraction) -> str:

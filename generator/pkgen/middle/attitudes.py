@@ -53,16 +53,12 @@ def turned(g: Graph, quaternion: Row, axis: int) -> Row:
 def quaternion_rates(g: Graph, quaternion: Row, w: Row) -> Row:
     """Returns the four components of Q' = Q (0, w)/2."""
     along = [turned(g, quaternion, axis) for axis in range(3)]
-    return tuple(g.sum(map(g.multiply, w, each)) for each in zip(*along, strict=True))
+    return tuple(g.dot(w, each) for each in zip(*along, strict=True))
 
 
 def body_rates(g: Graph, quaternion: Row, rates: Row) -> Row:
     """Returns the body rates w for a quaternion Q of length 1 and its rates Q' = Q (0, w)/2."""
-    four = g.number(4)
-    return tuple(
-        g.multiply(four, g.sum(map(g.multiply, turned(g, quaternion, axis), rates)))
-        for axis in range(3)
-    )
+    return tuple(g.multiply(g.number(4), x) for x in along_axes(g, quaternion, rates))
 
 
 def rate_of_quaternion(g: Graph, at: Attitude, state: int) -> Node:
@@ -75,7 +71,7 @@ def along_axes(g: Graph, quaternion: Row, by: Row) -> Row:
     """Returns the derivatives X_i f of a function f; `by` are its derivatives by the components of
     Q."""
     axes = (turned(g, quaternion, axis) for axis in range(3))
-    return tuple(g.sum(map(g.multiply, by, to)) for to in axes)
+    return tuple(g.dot(by, to) for to in axes)
 
 
 def slopes(g: Graph, attitudes: tuple[Attitude, ...], by: dict[Node, Node]) -> dict[int, Node]:
@@ -136,7 +132,7 @@ def rotated(g: Graph, quaternion: Row, a: Row) -> Row:
         (twice((1, x, y), (1, w, z)), squares(-1, 1, -1), twice((1, y, z), (-1, w, x))),
         (twice((1, x, z), (-1, w, y)), twice((1, y, z), (1, w, x)), squares(-1, -1, 1)),
     )
-    return tuple(g.sum(map(g.multiply, row, a)) for row in rows)
+    return tuple(g.dot(row, a) for row in rows)
 
 
 def lock(

@@ -31,6 +31,7 @@ def smaller(
     expressions in the symbols of `e`, before renumbering."""
     g, count, states = e.graph, len(e.coordinates), len(e.states)
     of_states = range(states) if kept_states is None else kept_states
+    rates, numbers = ({old: new for new, old in enumerate(row)} for row in (kept, of_states))
     renumbered = {
         old: new
         for kind, many, which in (
@@ -61,7 +62,11 @@ def smaller(
         states=tuple(e.states[i] for i in of_states),
         state_rates=there(e.state_rates[i] for i in of_states),
         state_start=tuple(e.state_start[i] for i in of_states),
-        attitudes=_attitudes(e.attitudes, kept, of_states),
+        attitudes=tuple(
+            Attitude(rates[a.rate], numbers.get(a.state, -1))  # -1: the quaternion is removed
+            for a in e.attitudes
+            if a.rate in rates
+        ),
         constraints=e.constraints and _fewer(g, e.constraints, there, pick),
     )
     model = replace(
@@ -83,17 +88,6 @@ def without(e: Equations, gone: Collection[int]) -> Equations:
     left = [i for i in range(len(places)) if i not in gone]
     kept, states = [i for i in left if i < n], [i - n for i in left if i >= n]
     return smaller(e, kept, swap, states)
-
-
-def _attitudes(
-    attitudes: tuple[Attitude, ...], kept: Sequence[int], of_states: Sequence[int]
-) -> tuple[Attitude, ...]:
-    """Returns the remaining attitudes with new indices. The index `state` is -1 if the quaternion
-    is removed."""
-    rates, states = ({old: new for new, old in enumerate(row)} for row in (kept, of_states))
-    return tuple(
-        Attitude(rates[a.rate], states.get(a.state, -1)) for a in attitudes if a.rate in rates
-    )
 
 
 def _fewer(g: Graph, c: Constraints, there, pick) -> Constraints | None:

@@ -65,6 +65,7 @@ class Energies:
     potential: Node | None
     dissipation: Node
     fast: Node = ZERO
+    whole: Node | None = None  # L, if it is of first degree in the rates: `lagrangian` is then -H
 
 
 @record
@@ -257,9 +258,7 @@ def jacobians_of(g: Graph, motion: Motion, lagrangian: bool = True) -> dict[str,
         if len(reachable(g, motion.pdot)) <= THOROUGH:
             direct = _matrix(g, motion.pdot, q, COORDINATES), _matrix(g, motion.pdot, v, RATES)
             ways.append(direct)
-    found = []
-    for way in ways:
-        found.append(shortened(g, (x for matrix in (p_q, *way) for row in matrix for x in row)))
+    found = [shortened(g, (x for matrix in (p_q, *way) for x in sum(matrix, ()))) for way in ways]
     best = found[0] if len(found) == 1 else min(found, key=lambda x: operations(g, x))
     rows = [tuple(best[i : i + n]) for i in range(0, len(best), n)]
     return {field: tuple(rows[k * n : (k + 1) * n]) for k, field in enumerate(NO_JACOBIANS)}
@@ -271,8 +270,7 @@ def linear_of(g: Graph, motion: Motion) -> Linear:
     q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
     a = symbols(g, Kind.ACCELERATION, n)
     r = tuple(
-        g.subtract(f, g.sum(map(g.multiply, row, a)))
-        for f, row in zip(motion.force, motion.mass, strict=True)
+        g.subtract(f, g.dot(row, a)) for f, row in zip(motion.force, motion.mass, strict=True)
     )
     r_q, r_v = _matrix(g, r, q, COORDINATES), _matrix(g, r, v, RATES)
     r_t = _matrix(g, r, symbols(g, Kind.TIME, 1), TIME)
@@ -301,7 +299,7 @@ def energy_of(g: Graph, energies: Energies, motion: Motion, wanted: Wanted) -> N
         if not wanted("energy", "observe", "conserve"):
             return candidates[0]
     v = symbols(g, Kind.RATE, len(motion.momenta))
-    work = g.sum(map(g.multiply, v, motion.momenta))
+    work = g.dot(v, motion.momenta)
     candidates.append(g.subtract(work, energies.lagrangian))
     if wanted("energy") and len(reachable(g, candidates)) <= THOROUGH:
         candidates += [form for node in candidates for (form,) in forms(g, [node])]

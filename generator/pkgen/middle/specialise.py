@@ -221,15 +221,14 @@ def _ends(old: End, item: Hold, family: Family, fixed: End) -> list[End]:
     if old.name != item.name:
         return [old]
     places = [old.index] if old.index is not None else [family.lo - 1, family.hi + 1]
-    found = []
-    for place in places:
-        at = Number(Fraction(place), old.span)
-        beyond = abs(place - fixed.index) == 1
-        if old.kind == "free" and beyond:
-            found.append(replace(fixed, index=place, at=at))
-        else:
-            found.append(replace(old, index=place, at=at))
-    return found
+    return [
+        replace(
+            fixed if old.kind == "free" and abs(place - fixed.index) == 1 else old,
+            index=place,
+            at=Number(Fraction(place), old.span),
+        )
+        for place in places
+    ]
 
 
 def _shorter_too(model: Model, items: tuple, item: Hold, index: int) -> tuple:

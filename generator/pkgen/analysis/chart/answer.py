@@ -7,6 +7,8 @@ measures these finer runs. If no point qualifies, the answer is "none".
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 from ...record import record
 from ...system import children
 from .points import AXES, ChartedMethod, Point, Track
@@ -46,14 +48,12 @@ def answers(bench: Bench, tracks: list[Track]) -> tuple[list[Answer], list[Track
     method (a Track each), including points that the search added."""
     search = Search(bench, tracks)
     told = [accuracy for accuracy in ACCURACIES if accuracy > 10 * bench.floor]
-    try:
-        for accuracy in told:
-            search.refine(accuracy)
-        for accuracy in told:
-            search.time_again(accuracy)
-        best = _best(search, told)
-    except KeyboardInterrupt:  # after an interrupt effort.left() is 0: nothing more is measured
-        best = _best(search, told)
+    with suppress(KeyboardInterrupt):
+        for improve in (search.refine, search.time_again):
+            for accuracy in told:
+                improve(accuracy)
+        _best(search, told)
+    best = _best(search, told)  # after an interrupt effort.left() is 0: nothing more is measured
     found = [_answer(search, bench.floor, *asked, point) for asked, point in best.items()]
     return found, search.tracks(told)
 

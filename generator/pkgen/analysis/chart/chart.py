@@ -180,15 +180,12 @@ def measure(
 
 
 def _values(compilation: Compilation, given: Settings) -> list[tuple[str, float, str]]:
-    quantities = [
-        (named.parameters(compilation).columns(10**9), given.parameters, False),
-        (named.coordinates(compilation).columns(10**9), given.start_q, True),
-        (named.coordinates(compilation, rates=True).columns(10**9), given.start_v, True),
-    ]
     found = []
-    for columns, values, start in quantities:
-        for quantity, (_, x) in zip(columns, values, strict=True):
-            if start and x == 0:
-                continue
-            found.append((f"{quantity.name}(0)" if start else quantity.name, x, quantity.unit))
+    for start, quantities, values in (
+        ("", named.parameters(compilation), given.parameters),
+        ("(0)", named.coordinates(compilation), given.start_q),
+        ("(0)", named.coordinates(compilation, rates=True), given.start_v),
+    ):
+        pairs = zip(quantities.columns(10**9), values, strict=True)
+        found += [(f"{c.name}{start}", x, c.unit) for c, (_, x) in pairs if x or not start]
     return found

@@ -13,7 +13,7 @@ from . import table, text
 from .chart import Chart
 from .front import strong as foremost
 from .panel import FAILED, UNITS, Curve, Style, draw
-from .points import AXES, FAMILIES, Point
+from .points import AXES, FAMILIES
 
 STRONG_MOST = 10
 NAMED_MOST = 14  # if there are more methods, the first picture names only the strong() ones
@@ -41,10 +41,6 @@ def pictures(chart: Chart, stem: Path) -> list[Path]:
     return files
 
 
-def worst_drift(point: Point) -> float | None:
-    return max(point.drifts.values(), default=None)
-
-
 def _curves(chart: Chart, axis: str, measure) -> list[Curve]:
     return [Curve(t, axis, measure, chart.spectrum.limit(t.method)) for t in chart.tracks]
 
@@ -62,7 +58,8 @@ def _overview(chart: Chart):
     kept = table.invariants(chart.tracks)
     if kept:
         invariants = ", ".join(kept if len(kept) < 5 else [*kept[:4], "…"])
-        measures.append((f"largest drift on the way ({invariants})", worst_drift))
+        title = f"largest drift on the way ({invariants})"
+        measures.append((title, lambda p: max(p.drifts.values(), default=None)))
     rows = len(measures)
     height = 1.9 + 4.0 * rows
     figure, grid = pyplot.subplots(rows, 2, figsize=(11, height), squeeze=False, sharey="col")
@@ -74,10 +71,7 @@ def _overview(chart: Chart):
             if row == 0:
                 _answers(axes, chart, axis)
     _legend(figure, len(strong) if len(named) < len(chart.tracks) else 0)
-    _frame(figure, chart, bottom=0.75, height=height, gaps=(0.24, 0.21))
-    for name in names:
-        name()
-    return figure
+    return _framed(figure, chart, names, bottom=0.75, height=height, gaps=(0.24, 0.21))
 
 
 def _families(chart: Chart):
@@ -102,10 +96,7 @@ def _families(chart: Chart):
         axes.set_xlabel(chart.kind.axis)
     for line in grid:
         line[0].set_ylabel(UNITS["seconds"])
-    _frame(figure, chart, bottom=0.3, height=height, gaps=(0.1, 0.31))
-    for name in names:
-        name()
-    return figure
+    return _framed(figure, chart, names, bottom=0.3, height=height, gaps=(0.1, 0.31))
 
 
 def _answers(axes, chart: Chart, axis: str) -> None:
@@ -137,9 +128,10 @@ def _legend(figure, strong: int) -> None:
         figure.legend(handles=[line], **how)
 
 
-def _frame(figure, chart: Chart, bottom: float, height: float, gaps: tuple[float, float]) -> None:
-    """Adds title, parameters and footer. `height` is that of the figure and `bottom` the space
-    below the panels, in inches; `gaps` between panels are relative to the size of a panel."""
+def _framed(figure, chart: Chart, names, bottom: float, height: float, gaps: tuple[float, float]):
+    """Adds title, parameters and footer, then the curves' names. `height` is that of the figure and
+    `bottom` the space below the panels, in inches; `gaps` between panels are relative to the size
+    of a panel."""
     import textwrap
 
     width = figure.get_figwidth()
@@ -152,3 +144,6 @@ def _frame(figure, chart: Chart, bottom: float, height: float, gaps: tuple[float
     sides = {"left": 0.95 / width, "right": 1 - 0.3 / width}
     ends = {"bottom": (bottom + 0.5) / height, "top": 1 - top / height}
     figure.subplots_adjust(**sides, **ends, wspace=gaps[0], hspace=gaps[1])
+    for name in names:
+        name()
+    return figure

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from .chart import Chart
 from .points import AXES, FAMILIES, PEER, Track
 
@@ -9,14 +11,13 @@ from .points import AXES, FAMILIES, PEER, Track
 def front(tracks: list[Track], axis: str) -> list[str]:
     """Returns the methods that are the cheapest for at least one of many error levels, sorted by
     the number of levels at which they are the cheapest."""
-    wins: dict[str, int] = {}
+    wins: Counter[str] = Counter()
     for k in range(4, 57):
         error = 10 ** (-k / 4)
         costs = [(c, t.method.name) for t in tracks if (c := t.cost_at(error, axis)) is not None]
         if costs:
-            name = min(costs)[1]
-            wins[name] = wins.get(name, 0) + 1
-    return sorted(wins, key=lambda name: -wins[name])
+            wins[min(costs)[1]] += 1
+    return [name for name, _ in wins.most_common()]
 
 
 def strong(chart: Chart) -> list[str]:

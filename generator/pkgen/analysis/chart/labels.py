@@ -5,9 +5,16 @@ the most important name first.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy
 
 from ...record import record
+
+if TYPE_CHECKING:
+    from matplotlib.transforms import Bbox
 
 PAD = 1.0  # margin around a label, in points
 # Vertical offsets of a label from its anchor, in label heights, in the order of preference. Each
@@ -30,25 +37,6 @@ class Label:
     bold: bool = False
 
 
-@record
-class _Box:
-    x0: float
-    y0: float
-    x1: float
-    y1: float
-
-    def shared(self, other: _Box) -> float:
-        """Returns the area that this box shares with the other one, relative to this box."""
-        w = min(self.x1, other.x1) - max(self.x0, other.x0)
-        h = min(self.y1, other.y1) - max(self.y0, other.y0)
-        if w <= 0 or h <= 0:
-            return 0.0
-        return w * h / ((self.x1 - self.x0) * (self.y1 - self.y0))
-
-    def holds(self, x: float, y: float) -> bool:
-        return self.x0 <= x <= self.x1 and self.y0 <= y <= self.y1
-
-
 def place(axes, labels: list[Label], curves: list[tuple[list[float], list[float]]]) -> None:
     """Writes the labels into the axes, not over the `curves` if possible. The limits of the axes
     and the layout of the figure must be final."""
@@ -56,9 +44,9 @@ def place(axes, labels: list[Label], curves: list[tuple[list[float], list[float]
     renderer = figure.canvas.get_renderer()
     scale = figure.dpi / 72
     frame = axes.get_window_extent(renderer)
-    room = _Box(frame.x0, frame.y0, frame.x1, frame.y1)
-    covered = [p for xs, ys in curves for p in _along(axes.transData.transform, xs, ys)]
-    taken: list[_Box] = []
+    along = [_along(axes.transData.transform, xs, ys) for xs, ys in curves]
+    covered = numpy.concatenate([numpy.empty((0, 2)), *along])
+    taken: list[Bbox] = []
     for label in labels:
         weight = "bold" if label.bold else "normal"
         text = axes.text(
@@ -70,7 +58,7 @@ def place(axes, labels: list[Label], curves: list[tuple[list[float], list[float]
         x, y = axes.transData.transform((label.x, label.y))
         best, price = None, math.inf
         for box in _places(x, y, width, height, 5 * scale):
-            found = _price(box, taken, covered, room) + FAR * abs(box.y0 + height / 2 - y) / height
+            found = _price(box, taken, covered, frame) + FAR * abs(box.y0 + height / 2 - y) / height
             if box.x0 > x:
                 found += 0.3
             if found < price:
@@ -86,32 +74,28 @@ def place(axes, labels: list[Label], curves: list[tuple[list[float], list[float]
             axes.plot(*zip(*ends, strict=True), color=label.colour, lw=0.4, zorder=8, clip_on=False)
 
 
-def _places(x: float, y: float, width: float, height: float, gap: float):
+def _places(x: float, y: float, width: float, height: float, gap: float) -> Iterator[Bbox]:
+    from matplotlib.transforms import Bbox
+
     for reach in REACH:
-        middle = y + reach * height
+        bottom = y + (reach - 0.5) * height
         for left in (x - gap - abs(reach) * 1.5 - width, x + gap):
-            pad = PAD
-            yield _Box(
-                left - pad, middle - height / 2 - pad, left + width + pad, middle + height / 2 + pad
-            )
+            yield Bbox.from_bounds(left, bottom, width, height).padded(PAD)
 
 
-def _price(box: _Box, taken: list[_Box], covered: list[tuple[float, float]], room: _Box) -> float:
-    price = sum(4.0 * box.shared(other) for other in taken)
-    price += COVERED * min(3, sum(box.holds(*p) for p in covered))
+def _price(box: Bbox, taken: list[Bbox], covered: numpy.ndarray, room: Bbox) -> float:
+    shared = (box.intersection(box, other) for other in taken)
+    price = sum(4.0 * x.width * x.height / (box.width * box.height) for x in shared if x)
+    inside = ((covered >= box.min) & (covered <= box.max)).all(axis=1)
+    price += COVERED * min(3, inside.sum())
     if box.x0 < room.x0 or box.x1 > room.x1 or box.y0 < room.y0 or box.y1 > room.y1:
         price += 5.0
     return price
 
 
-def _along(transform, xs: list[float], ys: list[float]) -> list[tuple[float, float]]:
+def _along(transform, xs: list[float], ys: list[float]) -> numpy.ndarray:
     """Returns points along a curve, in pixels. Successive points are closer together than the size
     of a label."""
-    ends = [tuple(transform((x, y))) for x, y in zip(xs, ys, strict=True)]
-    found = ends[:1]
-    for (x0, y0), (x1, y1) in pairwise(ends):
-        pieces = max(1, int(math.hypot(x1 - x0, y1 - y0) / 6))
-        found += [
-            (x0 + (x1 - x0) * k / pieces, y0 + (y1 - y0) * k / pieces) for k in range(1, pieces + 1)
-        ]
-    return found
+    ends = transform(numpy.column_stack([xs, ys]))
+    parts = [numpy.linspace(a, b, 1 + int(math.dist(a, b) / 6)) for a, b in pairwise(ends)]
+    return numpy.concatenate([*parts, ends[-1:]])

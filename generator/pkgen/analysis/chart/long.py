@@ -37,8 +37,8 @@ class Decade:
     steps: int
     t: float
     seconds: float
-    drifts: dict[str, float]
     status: str
+    drifts: dict[str, float]
 
 
 @record
@@ -119,8 +119,7 @@ def _decades(
     program: Callable[[float], Program], method: ChartedMethod, step: float, share: float
 ) -> Drifting:
     found: list[Decade] = []
-    growth: dict[str, str] = {}
-    exponents: dict[str, float | None] = {}
+    drifts: list[dict] = []
     reason = ""
     for decade in DECADES:
         if found and 10 * found[-1].seconds > share:
@@ -133,13 +132,12 @@ def _decades(
         if told["slow"]:
             reason = f"{steps} steps take more than {max(share, LEAST):.2g} s (--seconds)"
             break
-        drifts = {
-            d["name"]: math.inf if d["max"] is None else float(d["max"]) for d in told["drifts"]
-        }
-        found.append(Decade(steps, told["t"], told["processor"], drifts, told["status"]))
-        growth = {d["name"]: d["growth"] for d in told["drifts"]}
-        exponents = {d["name"]: d.get("exponent") for d in told["drifts"]}
+        drifts = told["drifts"]
+        largest = {d["name"]: math.inf if d["max"] is None else float(d["max"]) for d in drifts}
+        found.append(Decade(steps, told["t"], told["processor"], told["status"], largest))
         if told["status"] != "PK_DONE":
             reason = told["reason"]
             break
+    growth = {d["name"]: d["growth"] for d in drifts}
+    exponents = {d["name"]: d.get("exponent") for d in drifts}
     return Drifting(method, tuple(found), growth, exponents, reason)

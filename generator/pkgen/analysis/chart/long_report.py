@@ -12,6 +12,7 @@ from ...plot.names import label
 from ...plot.style import Look
 from .labels import Label, place
 from .long import Drifting, Long
+from .text import aligned
 
 MOST = 6  # largest number of methods whose drift is drawn in one panel
 HEADINGS = ("method", "constant", "steps", "largest drift", "growth")
@@ -30,16 +31,11 @@ def text(long: Long) -> str:
         last = one.decades[-1]
         for constant in long.constants:
             drift = f"{last.drifts.get(constant, math.inf):.1e}"
-            rows.append(
-                (one.method.name, constant, f"{last.steps:,}", drift, _growth(one, constant))
-            )
-    widths = [max(len(row[i]) for row in rows) for i in range(len(HEADINGS))]
+            steps = f"{last.steps:,}"
+            rows.append((one.method.name, constant, steps, drift, _growth(one, constant)))
     unit = f" {long.unit}".rstrip()
-    lines = [f"{long.model}: drifts over decades of steps of {long.step:g}{unit}, relative", ""]
-    for row in rows:
-        cells = zip(row, widths, strict=True)
-        shown = (x.rjust(w) if i in (2, 3) else x.ljust(w) for i, (x, w) in enumerate(cells))
-        lines.append("  ".join(shown).rstrip())
+    head = f"{long.model}: drifts over decades of steps of {long.step:g}{unit}, relative"
+    lines = [head, "", *aligned(rows, right=(2, 3))]
     early = [f"{one.method.name}: {one.reason}" for one in long.drifting if one.reason]
     return "\n".join([*lines, "", *early]).rstrip() + "\n"
 
@@ -51,9 +47,9 @@ def as_csv(long: Long) -> str:
     writer.writerow(["method", "order", "step", "steps", "t", "seconds", "status", *columns])
     for one in long.drifting:
         for d in one.decades:
-            cells = [repr(d.drifts.get(name, math.inf)) for name in long.constants]
-            head = [one.method.name, one.method.order, repr(long.step), d.steps, repr(d.t)]
-            writer.writerow([*head, repr(d.seconds), d.status, *cells])
+            cells = [d.drifts.get(name, math.inf) for name in long.constants]
+            head = [one.method.name, one.method.order, long.step, d.steps, d.t]
+            writer.writerow([*head, d.seconds, d.status, *cells])
     return file.getvalue()
 
 
@@ -70,13 +66,8 @@ def record(long: Long) -> dict[str, object]:
                 "exponents": one.exponents,
                 "reason": one.reason,
                 "decades": [
-                    {
-                        "steps": d.steps,
-                        "t": d.t,
-                        "seconds": d.seconds,
-                        "status": d.status,
-                        "drifts": {k: v if math.isfinite(v) else None for k, v in d.drifts.items()},
-                    }
+                    vars(d)
+                    | {"drifts": {k: v if math.isfinite(v) else None for k, v in d.drifts.items()}}
                     for d in one.decades
                 ],
             }

@@ -38,7 +38,7 @@ class Search:
     def __init__(self, bench: Bench, tracks: list[Track]):
         self.bench = bench
         self.methods = {track.method.name: track.method for track in tracks}
-        self.points = {t.method.name: sorted(t.points, key=_loose_first) for t in tracks}
+        self.points = {t.method.name: sorted(t.points, key=lambda p: -p.setting) for t in tracks}
         self.measured = 0
 
     @property
@@ -253,12 +253,8 @@ class Search:
             return None
         self.measured += 1
         known.append(point)
-        known.sort(key=_loose_first)
+        known.sort(key=lambda p: -p.setting)
         return None if point.slow or point.refused else point
-
-
-def _loose_first(point: Point) -> float:
-    return -point.setting
 
 
 def _met(point: Point, accuracy: float) -> bool:

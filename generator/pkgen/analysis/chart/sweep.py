@@ -95,15 +95,9 @@ class Bench:
         errors = sorted(math.inf if p.error is None else p.error for p in points)
         median = statistics.median(errors)
         worst = next((p for p in points if not p.arrived), first) if median == math.inf else first
-        return replace(
-            first,
-            error=None if median == math.inf else median,
-            least=errors[0],
-            most=errors[-1],
-            status=worst.status,
-            reason=worst.reason,
-            took=sum(p.took for p in points),
-        )
+        error = None if median == math.inf else median
+        of = {"status": worst.status, "reason": worst.reason, "took": sum(p.took for p in points)}
+        return replace(first, error=error, least=errors[0], most=errors[-1], **of)
 
 
 class Steps:

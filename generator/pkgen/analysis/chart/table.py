@@ -56,13 +56,5 @@ def as_csv(tracks: list[Track]) -> str:
     writer = csv.DictWriter(file, columns, lineterminator="\n")
     writer.writeheader()
     for row in rows(tracks):
-        writer.writerow({k: _cell(v) for k, v in row.items()})
+        writer.writerow(row | {"lucky": str(row["lucky"]).lower()})
     return file.getvalue()
-
-
-def _cell(value: object) -> object:
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return str(value).lower()
-    return repr(float(value)) if isinstance(value, float) else value

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Collection, Sequence
 
 from .answer import Answer
 from .chart import Chart
@@ -77,15 +78,15 @@ def _exact(track: Track) -> bool:
 def answer_rows(chart: Chart) -> list[tuple[str, ...]]:
     """Returns a row for each answer: accuracy, measure of cost, method, setting, time, evaluations,
     error."""
-    rows = []
-    for a in chart.answers:
-        head = (f"{a.accuracy:.0e}", AXIS[a.axis])
-        if a.point is None or a.method is None:
-            rows.append((*head, a.reason, "", "", "", ""))
-            continue
-        cost = seconds(a.point.seconds or 0.0), f"{a.point.work:,}", f"{a.point.error:.1e}"
-        rows.append((*head, a.method.name, setting(a), *cost))
-    return rows
+    return [_row(a, AXIS[a.axis], a.point and f"{a.point.work:,}") for a in chart.answers]
+
+
+def _row(a: Answer, beside: str, cost: str | None) -> tuple[str, ...]:
+    head = f"{a.accuracy:.0e}", beside
+    if a.point is None or a.method is None:
+        return (*head, a.reason, "", "", "", "")
+    time, error = seconds(a.point.seconds or 0.0), f"{a.point.error:.1e}"
+    return (*head, a.method.name, setting(a), time, cost or "", error)
 
 
 BESIDE = ("accuracy", "package", "method", "", "time", "beside pkgen's", "error")
@@ -98,14 +99,9 @@ def beside_rows(chart: Chart) -> list[tuple[str, ...]]:
     for b in chart.beside:
         if b.why:
             rows.append(("", b.version, b.why, "", "", "", ""))
-        for a in b.answers:
-            head = f"{a.accuracy:.0e}", b.version
-            if a.point is None or a.method is None:
-                rows.append((*head, a.reason, "", "", "", ""))
-                continue
-            times = f"{ratio:.3g}×" if (ratio := chart.times(a)) else ""
-            cost = seconds(a.point.seconds or 0.0), times, f"{a.point.error:.1e}"
-            rows.append((*head, a.method.name, setting(a), *cost))
+        times = [chart.times(a) for a in b.answers]
+        said = [f"{ratio:.3g}×" if ratio else "" for ratio in times]
+        rows += [_row(a, b.version, x) for a, x in zip(b.answers, said, strict=True)]
     return rows
 
 
@@ -146,12 +142,18 @@ def report(chart: Chart, model: str, given: list[str]) -> str:
 def _lined(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
     """Returns the rows as lines with aligned columns. A row whose setting, the fourth cell, is ""
     has a sentence in the third cell and no further cells."""
-    rows = [headings, *rows]
-    told = [r for r in rows if r[3] or r is headings]
-    widths = [max(len(row[i]) for row in told) for i in range(len(headings))]
+    rows = [row if row[3] else row[:3] for row in rows]
+    return aligned([headings, *rows], right=(4, 5, 6))
+
+
+def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> list[str]:
+    """Returns the rows as lines with aligned columns, those in `right` at the right. A row with
+    fewer cells than the first does not widen its columns."""
+    whole = [row for row in rows if len(row) == len(rows[0])]
+    widths = [max(map(len, column)) for column in zip(*whole, strict=True)]
     lines = []
     for row in rows:
-        cells = zip(row if row in told else row[:3], widths, strict=False)
-        shown = (x.rjust(w) if i >= 4 else x.ljust(w) for i, (x, w) in enumerate(cells))
+        cells = enumerate(zip(row, widths, strict=False))
+        shown = (x.rjust(w) if i in right else x.ljust(w) for i, (x, w) in cells)
         lines.append("  ".join(shown).rstrip())
     return lines

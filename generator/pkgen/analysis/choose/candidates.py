@@ -18,7 +18,7 @@ from .trials import DENSE, LAND
 
 
 @record
-class CandidateRow:
+class Row:
     """A row of TABLE. The method is tried on systems that have all facts of `if_` and no fact of
     `if_not` (names of enum pk_fact)."""
 
@@ -32,23 +32,23 @@ class CandidateRow:
 KEEPS = "separable: its energy does not drift"
 STIFF = "dissipative: where that is stiff, steps need not follow it"
 TABLE = (
-    CandidateRow("exponential", LAND, "the equations are linear: each step is exact"),
-    CandidateRow("gauss", LAND, "smooth: its error falls with the 16th power of the step"),
-    CandidateRow("dop853", LAND, "loose accuracies, and motions with kinks"),
-    CandidateRow("dop853", DENSE, "rows closer than its steps"),
-    CandidateRow("dopri5", DENSE, "rows closer than its steps, loose accuracies"),
-    CandidateRow("dopri5", LAND, "loose accuracies"),
-    CandidateRow("gauss", DENSE, "rows closer than its steps"),
-    CandidateRow("rk4", LAND, "rows as close as its steps"),
-    CandidateRow("mclachlan4", LAND, KEEPS, ("separable",)),
-    CandidateRow("blanes_moan4", LAND, KEEPS, ("separable",)),
-    CandidateRow("blanes_moan6", LAND, KEEPS, ("separable",)),
-    CandidateRow("kahan_li8", LAND, KEEPS, ("separable",)),
-    CandidateRow("gauss8", LAND, "Newton's iteration where that of gauss would shorten steps"),
-    CandidateRow("gauss2", LAND, STIFF, if_not=("variational",)),
-    CandidateRow("gauss4", LAND, STIFF, if_not=("variational",)),
-    CandidateRow("radau5", LAND, STIFF, if_not=("variational",)),
-    CandidateRow("radau", LAND, STIFF, if_not=("variational",)),
+    Row("exponential", LAND, "the equations are linear: each step is exact"),
+    Row("gauss", LAND, "smooth: its error falls with the 16th power of the step"),
+    Row("dop853", LAND, "loose accuracies, and motions with kinks"),
+    Row("dop853", DENSE, "rows closer than its steps"),
+    Row("dopri5", DENSE, "rows closer than its steps, loose accuracies"),
+    Row("dopri5", LAND, "loose accuracies"),
+    Row("gauss", DENSE, "rows closer than its steps"),
+    Row("rk4", LAND, "rows as close as its steps"),
+    Row("mclachlan4", LAND, KEEPS, ("separable",)),
+    Row("blanes_moan4", LAND, KEEPS, ("separable",)),
+    Row("blanes_moan6", LAND, KEEPS, ("separable",)),
+    Row("kahan_li8", LAND, KEEPS, ("separable",)),
+    Row("gauss8", LAND, "Newton's iteration where that of gauss would shorten steps"),
+    Row("gauss2", LAND, STIFF, if_not=("variational",)),
+    Row("gauss4", LAND, STIFF, if_not=("variational",)),
+    Row("radau5", LAND, STIFF, if_not=("variational",)),
+    Row("radau", LAND, STIFF, if_not=("variational",)),
 )
 
 
@@ -62,28 +62,20 @@ class Candidate:
     def name(self) -> str:
         return self.method.name
 
-    @property
-    def text(self) -> str:
-        return f"{self.name} {self.rows}"
-
 
 def candidates(structure: object, methods: Iterable[ChartedMethod]) -> list[Candidate]:
     """Returns the candidates that apply to a system with the facts `structure`."""
     known = {m.name: m for m in methods}
+    rows = [(known[row.method], row) for row in TABLE if row.method in known]
     return [
-        Candidate(known[line.method], line.rows, line.why)
-        for line in TABLE
-        if line.method in known and _applies(line, known[line.method], structure)
+        Candidate(method, row.rows, row.why)
+        for method, row in rows
+        if all(provides(structure, fact.replace(" ", "_")) for fact in method.requires)
+        and all(provides(structure, fact) for fact in row.if_)
+        and not any(getattr(structure, fact, False) for fact in row.if_not)
     ]
 
 
 def alone(name: str) -> Candidate:
     """Returns the candidate `name`, which need not be in the table."""
     return Candidate(all_methods([name])[0], LAND, "the reference itself")
-
-
-def _applies(line: CandidateRow, method: ChartedMethod, structure: object) -> bool:
-    facts = (*line.if_, *(fact.replace(" ", "_") for fact in method.requires))
-    return all(provides(structure, fact) for fact in facts) and not any(
-        getattr(structure, fact, False) for fact in line.if_not
-    )

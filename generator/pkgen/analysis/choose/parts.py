@@ -55,16 +55,13 @@ def _named(compilation: Compilation, settings: Settings, which: Sequence[int]) -
 
 def _with_expected(compilation: Compilation, settings: Settings) -> Settings:
     """Returns settings that also show the quantities of expectations, as the last columns."""
-    expected = settings.watched.columns()
+    expected, shown = settings.watched.columns(), settings.show
     if not expected:
         return settings
-    return replace(settings, show=(*(settings.show or _all(compilation)), *expected))
-
-
-def _all(compilation: Compilation) -> list[Shown]:
-    """Returns all columns that rows can have, also every member of a large family."""
-    shown = Values(compilation).shown
-    return [shown(quantity.name) for quantity in columns(compilation, listed=sys.maxsize)[1:]]
+    if not shown:  # all columns that rows can have, also every member of a large family
+        named_as = Values(compilation).shown
+        shown = [named_as(c.name) for c in columns(compilation, listed=sys.maxsize)[1:]]
+    return replace(settings, show=(*shown, *expected))
 
 
 def _of_part(compilation: Compilation, part: CompiledPart, settings: Settings) -> Choice:

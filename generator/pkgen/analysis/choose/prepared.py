@@ -63,15 +63,8 @@ class Prepared:
 
     def choose(self, settings: Settings, accuracy: float) -> Choice:
         trials = Trials(self.program, settings)
-        asked = Task(
-            trials,
-            self.able,
-            self.exact,
-            self.damped,
-            accuracy,
-            self.timed,
-            lambda: self._precise(trials),
-        )
+        of = self.able, self.exact, self.damped, accuracy, self.timed
+        asked = Task(trials, *of, lambda: self._precise(trials))
         return replace(choose(asked), compile_seconds=self.seconds)
 
     def _precise(self, trials: Trials) -> Trials | None:

@@ -98,12 +98,11 @@ class Check:
         return self.in_more_digits and not asked.damped
 
 
-def tight(method: str, every: float) -> float:
-    return every if method == EXACT else TOLERANCES.get(method, USUAL)[0]
-
-
-def loose(method: str, every: float) -> float:
-    return every / 2 if method == EXACT else TOLERANCES.get(method, USUAL)[1]
+def setting(method: str, every: float, looser: bool = False) -> float:
+    """Returns the setting of the reference, or with `looser` that of the run for comparison."""
+    if method == EXACT:
+        return every / 2 if looser else every
+    return TOLERANCES.get(method, USUAL)[looser]
 
 
 def other_steps(asked: Task) -> float | None:
@@ -135,13 +134,10 @@ class _Finder:
         how = {"accuracy": accuracy, "cap": cap, "every": self.interval, "max_step": max_step}
         return self.trials.attempt(name, setting, LAND, self.span, **how)
 
-    def tight(self, name: str, cap: float = 0.0) -> Trial:
-        setting = tight(name, self.interval or self.asked.every)
-        return self.attempt(name, setting, cap, self.asked.max_step)
-
-    def loose(self, name: str, cap: float = 0.0) -> Trial:
-        setting = loose(name, self.interval or self.asked.every)
-        return self.attempt(name, setting, cap, other_steps(self.asked))
+    def run(self, name: str, cap: float = 0.0, looser: bool = False) -> Trial:
+        """Makes a run with the setting of the reference, or of the run for comparison."""
+        how = setting(name, self.interval or self.asked.every, looser), cap
+        return self.attempt(name, *how, other_steps(self.asked) if looser else self.asked.max_step)
 
     def farthest(self, cap: float) -> Trial:
         """Returns the run of the first method that reaches the end of the scene. If none does,
@@ -149,7 +145,7 @@ class _Finder:
         returns its run. Stiffness stops some methods early."""
         made = []
         for name in self.asked.exact:
-            made.append(self.tight(name, cap))
+            made.append(self.run(name, cap))
             if made[-1].arrived:
                 return made[-1]
         slow = [t for t in made if t.slow]
@@ -157,13 +153,13 @@ class _Finder:
         first = next(t for t in slow or made if t.t >= NEARLY * far)
         if slow:
             self.span, self.interval = part(first.t, self.asked.every)
-        return self.tight(first.method) if slow and self.span > 0 else first
+        return self.run(first.method) if slow and self.span > 0 else first
 
     def beside(self, name: str, cap: float) -> Trial:
         """Returns a run of another method than `name`, for comparison. The methods for the
         reference are tried from the last to the first, until one reaches the end."""
         for other in reversed([other for other in self.asked.exact if other != name]):
-            trial = self.loose(other, cap)
+            trial = self.run(other, cap, looser=True)
             if trial.arrived:
                 break
         return trial
@@ -178,7 +174,7 @@ class _Finder:
         precise = precise_rows(asked, name, self.span, max_step=asked.max_step, **how)
         if precise is None:
             return check
-        tolerance, steps = FINER * loose(name, 0.0), other_steps(asked)
+        tolerance, steps = FINER * setting(name, 0.0, looser=True), other_steps(asked)
         again = precise.attempt(name, tolerance, LAND, self.span, max_step=steps, **how)
         if not again.error < check.floor:
             return check
@@ -194,7 +190,7 @@ def precise_rows(asked: Task, name: str, span: float, **how: float | None) -> Tr
     if precise is None:
         return None
     precise.between, precise.ignored = asked.trials.between, asked.trials.ignored
-    if not precise.attempt(name, FINER * tight(name, 0.0), LAND, span, **how).arrived:
+    if not precise.attempt(name, FINER * setting(name, 0.0), LAND, span, **how).arrived:
         return None
     precise.keep_as_exact()
     return precise
@@ -210,7 +206,7 @@ def find(asked: Task, cap: float) -> Check:
     dense = DENSE if "dense" in alone(exact.method).method.flags else LAND
     asked.trials.look_between(exact.method, exact.setting, dense, finder.span)
     scales = asked.trials.keep_as_exact()
-    again = finder.loose(exact.method)
+    again = finder.run(exact.method, looser=True)
     beside = finder.beside(exact.method, max(5 * exact.seconds, cap))
     recorded = len(scales) - len(asked.trials.settings.watched.columns())
     ignored, expected = _noise([again, beside], scales), tuple(range(recorded, len(scales)))
@@ -218,8 +214,7 @@ def find(asked: Task, cap: float) -> Check:
     unsure = tuple(
         i for i in expected if i not in ignored and not judge.columns[i] <= FLOOR * asked.accuracy
     )
-    for column in (*ignored, *unsure):
-        asked.trials.ignore(column)
+    asked.trials.ignored |= {*ignored, *unsure}
     if ignored or unsure:  # repeats the comparison without the ignored and unsure columns
         judge = finder.attempt(judge.method, judge.setting, max_step=judge.max_step)
     floor, rounded = _error(judge, (*ignored, *unsure)), ROUNDED if exact.method == EXACT else 0.0
@@ -261,14 +256,10 @@ def _judge(again: Trial, beside: Trial, ignored: tuple[int, ...], accuracy: floa
 def part(t: float, every: float) -> tuple[float, float]:
     """Returns a time below t that is a multiple of the time between rows, and this time between
     rows: 0 if it is `every`, that of the scene, or a fraction of `every`."""
-    count = int(0.9 * t / every)
-    if count >= 8:
-        return count * every, 0.0
-    # If a trial would have too few rows, the interval between rows is divided.
     interval = every
-    while interval * 8 > 0.9 * t:
+    while interval * 8 > 0.9 * t:  # A trial would have too few rows.
         interval /= 2
-    return int(0.9 * t / interval) * interval, interval
+    return int(0.9 * t / interval) * interval, interval if interval < every else 0.0
 
 
 def _noise(agree: list[Trial], scales: tuple[float, ...]) -> tuple[int, ...]:

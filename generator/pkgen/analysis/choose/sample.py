@@ -23,13 +23,11 @@ def of_members(prepared: Prepared, settings: Settings, ensemble: Ensemble) -> Ch
     # If no time between rows is set, a member has two rows, start and end, and so must its trials.
     settings = replace(settings, every=settings.every or settings.until)
     accuracy = SPARE * settings.accuracy
-    some, tried = _tried(prepared, settings, ensemble, accuracy)
+    pairs = _tried(prepared, settings, ensemble, accuracy)
+    tried = [c for _, c in pairs]
     longest = max(tried, key=lambda c: c.run_seconds)
     only = prepared.only(longest.method)
-    same = [
-        c if c.method == longest.method else only.choose(one, accuracy)
-        for one, c in zip(some, tried, strict=True)
-    ]
+    same = [c if c.method == longest.method else only.choose(one, accuracy) for one, c in pairs]
     bounds = [c.max_step for c in same if c.max_step is not None]
     horizons = [c.horizon for c in same if c.horizon is not None]
     again = [c for c in same if c not in tried]
@@ -41,28 +39,27 @@ def of_members(prepared: Prepared, settings: Settings, ensemble: Ensemble) -> Ch
         expected=max(c.expected for c in same),
         horizon=min(horizons, default=None),
         seconds=sum(c.seconds for c in (*tried, *again)),
-        sampled=len(some),
+        sampled=len(pairs),
     )
 
 
 def _tried(
     prepared: Prepared, settings: Settings, ensemble: Ensemble, accuracy: float
-) -> tuple[list[Settings], list[Choice]]:
+) -> list[tuple[Settings, Choice]]:
     """Returns the tried members and their choices. A member that is refused, such as one out of
     bounds, is replaced by another. Raises UsageError if all are refused."""
-    some, tried = [], []
+    pairs: list[tuple[Settings, Choice]] = []
     refused: UsageError | None = None
     for one in members(settings, ensemble):
         try:
-            tried.append(prepared.choose(one, accuracy))
-            some.append(one)
+            pairs.append((one, prepared.choose(one, accuracy)))
         except UsageError as error:
             refused = refused or error
-        if len(some) == MOST:
+        if len(pairs) == MOST:
             break
-    if refused and not some:
+    if refused and not pairs:
         raise refused
-    return some, tried
+    return pairs
 
 
 def members(settings: Settings, ensemble: Ensemble) -> Iterator[Settings]:

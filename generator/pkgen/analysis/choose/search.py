@@ -76,8 +76,10 @@ def loosest(
         else:
             missed = trial
         wanted = next_setting(found, accuracy)
-        setting = steps.between(wanted, found.kept, missed)
-        if setting is None or (found.kept and _little(steps, found.kept, setting)):
+        setting, kept = steps.between(wanted, found.kept, missed), found.kept
+        if setting is None:
+            break
+        if kept and (setting <= kept.setting or steps.gain(kept, setting) < GAIN):
             break
         if not found.kept and trial.arrived:
             setting = steps.affordable(trial, setting, limit)
@@ -119,10 +121,6 @@ def next_setting(found: Found, accuracy: float) -> float:
     return trial.setting * min(max(factor, 1 / FURTHEST), FURTHEST)
 
 
-def _little(scale: _Steps | _Tolerances, kept: Trial, setting: float) -> bool:
-    return setting <= kept.setting or scale.gain(kept, setting) < GAIN
-
-
 class _Steps:
     """Fixed steps, which divide the interval between rows."""
 
@@ -139,8 +137,7 @@ class _Steps:
         high = math.inf if kept is None else self._count(kept)
         if high - low <= 1:
             return None
-        count = max(low + 1, count) if high == math.inf else min(max(low + 1, count), high - 1)
-        return self.interval / count
+        return self.interval / min(max(low + 1, count), high - 1)
 
     def _count(self, trial: Trial) -> int:
         return round(self.interval / trial.setting)

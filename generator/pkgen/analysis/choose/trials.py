@@ -26,7 +26,7 @@ class Trial:
     method: str
     rows: str  # LAND or DENSE
     setting: float
-    able: bool  # whether the method applies
+    refused: bool  # whether the method does not apply
     reason: str
     arrived: bool
     slow: bool  # whether the run was stopped at its limit of CPU seconds
@@ -39,10 +39,6 @@ class Trial:
     holds: float  # time until which the accuracy was kept
     max_step: float | None = None  # upper limit of adaptive steps; None: no limit
     columns: tuple[float, ...] = field(default=(), repr=False)
-
-    @property
-    def refused(self) -> bool:
-        return not self.able
 
 
 class Trials(Program):
@@ -107,11 +103,11 @@ class Trials(Program):
             method=method,
             rows=rows,
             setting=found.get("step") or found.get("rtol", setting),
-            able=able,
+            refused=not able,
             reason=failed or ("" if able else "does not apply"),
             arrived=arrived,
             slow=bool(found.get("slow")),
-            t=_number(found.get("t", 0.0)),
+            t=math.inf if found.get("t", 0.0) is None else float(found.get("t", 0.0)),
             seconds=fastest if arrived else math.inf,
             took=took,
             steps=found.get("steps", 0),
@@ -142,10 +138,3 @@ class Trials(Program):
         found = abs(self._rows(done).x)
         if done.report.get("begun") and len(found) and numpy.isfinite(found).all():
             self.between = found.max(axis=0)
-
-    def ignore(self, column: int) -> None:
-        self.ignored.add(column)
-
-
-def _number(x: float | None) -> float:
-    return math.inf if x is None else float(x)

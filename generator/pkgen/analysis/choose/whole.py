@@ -60,7 +60,7 @@ class Whole:
         """Compares the choice with the cheapest run that is much tighter. If the two differ by too
         much, both are tightened and compared again: the first part of the scene, on which the
         choice was made, may be easier than the rest."""
-        judge = min((f for f in found if f.kept), key=_tighter_cost)
+        judge = min((f for f in found if f.kept), key=lambda f: f.kept.seconds / _share(f))
         candidate = best.candidate
         whole = Found(candidate)
         scale = search.scale(candidate, self.asked.every)
@@ -83,7 +83,7 @@ class Whole:
         """Returns a run by the reference's method at a tolerance near round-off. The run is
         compared with a second one, in a wider type if there is one."""
         candidate, every = alone(self.check.method), self.asked.every
-        setting = reference.tight(candidate.name, every)
+        setting = reference.setting(candidate.name, every)
         if self._in_more_digits(candidate):
             trial = self._run(candidate, setting, self.asked.max_step)
             keeps = trial.error <= self.asked.accuracy
@@ -93,7 +93,7 @@ class Whole:
             return Kept(candidate, exact)
         self.asked.trials.keep_as_exact()
         self.check = replace(self.check, against=candidate.name)
-        setting = reference.loose(candidate.name, every)
+        setting = reference.setting(candidate.name, every, looser=True)
         agree = FLOOR * self.asked.accuracy
         trial = self._run(candidate, setting, reference.other_steps(self.asked), agree)
         keeps = trial.arrived and trial.error <= agree
@@ -130,11 +130,10 @@ class Whole:
     def _tighter(self, found: Found, more: float) -> float:
         """Returns the setting of `found`, tightened so that the error is expected to become TIGHTER
         times as large; and further divided by `more`."""
-        method = found.candidate.method
-        power = max(method.order, 1) if method.fixed else 1
-        setting = found.kept.setting * TIGHTER ** (1 / power) / more
+        share = _share(found) if found.candidate.method.fixed else TIGHTER
+        setting = found.kept.setting * share / more
         return search.scale(found.candidate, self.asked.every).allowed(setting)
 
 
-def _tighter_cost(found: Found) -> float:
-    return found.kept.seconds * TIGHTER ** (-1 / max(found.candidate.method.order, 1))
+def _share(found: Found) -> float:
+    return TIGHTER ** (1 / max(found.candidate.method.order, 1))

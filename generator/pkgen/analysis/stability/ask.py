@@ -21,6 +21,7 @@ from .unknowns import Placed
 
 SLOW = 0.01  # least rate, in radians or e-foldings per run; a lower rate is round-off
 TRIES = 100  # initial guesses of the search for equilibria
+FURTHEST = 1e6  # an equilibrium farther away, in boxes of the search, is none
 MOST_RATES = 128  # most states along the motion at which rates are computed
 
 
@@ -67,7 +68,9 @@ class Asker(Placed):
     def rest(self, tries: int = TRIES) -> Rest:
         found = integration.equilibria(self.run, tries)
         turns = tuple(map(bool, found["turns"]))
-        places = tuple(self._equilibrium(**e) for e in found["equilibria"])
+        region = {key: _floats(found[key]) for key in ("middle", "box")}
+        kept = [e for e in found["equilibria"] if self._is_there(e, **region)]
+        places = tuple(self._equilibrium(**e) for e in kept)
         fastest = max((m.rate for e in places for m in e.modes), default=0.0)
 
         def cleared(mode: Mode) -> Mode:
@@ -76,8 +79,17 @@ class Asker(Placed):
             return replace(mode, growth=0.0, frequency=0.0) if slow else mode
 
         places = tuple(replace(e, modes=tuple(map(cleared, e.modes))) for e in places)
-        region = {key: _floats(found[key]) for key in ("middle", "box")}
-        return Rest(**found | region | {"equilibria": places, "turns": turns})
+        more = bool(found["more"]) and len(kept) == len(found["equilibria"])
+        return Rest(**found | region | {"equilibria": places, "turns": turns, "more": more})
+
+    def _is_there(self, e: dict, middle: tuple[float, ...], box: tuple[float, ...]) -> bool:
+        """Whether L is defined at an equilibrium, and the equilibrium is not so far away that the
+        rates are only too small."""
+        by_rate = numpy.arange(self.n) >= self.m
+        by_rate[self.given["cyclic"]] = True
+        place = numpy.where(by_rate, e["v"], e["q"])
+        near = abs(place - middle) <= FURTHEST * numpy.array(box)
+        return e["energy"] is not None and bool(near.all())
 
     @numpy.errstate(all="ignore")
     def _equilibrium(
@@ -109,7 +121,7 @@ class Asker(Placed):
             scale=motion.summary(self.until if motion.followed else 0.0).scale,
             q=_floats(self.q(self.start)),
             v=_floats(self.v(self.start)),
-            parameters=tuple(math.nan if x is None else float(x) for x in self.given["parameters"]),
+            parameters=_floats(numpy.array(self.given["parameters"], float)),
             leaves=motion.leaves,
             horizon=motion.known,
             by_norm=self.by_norm,
@@ -118,8 +130,7 @@ class Asker(Placed):
         )
 
     def point(self, method: str, h: float) -> Point:
-        if self.motion_followed is None:
-            raise UsageError("ask for the motion first")
+        """Classifies a method's run. Call motion() before."""
         return points.classified(self.motion_followed, method, h)
 
     @numpy.errstate(all="ignore")

@@ -88,9 +88,7 @@ def told(before: Cut, after: Cut, seconds: float) -> list[str]:
     if gone:
         said.append(f"without {', '.join(gone)}, whose points take longest")
     more = f"; --seconds {10 * seconds:.0f} allows for more"
-    return (
-        [f"to be done in {seconds:.3g} s the map has {' and is '.join(said)}{more}"] if said else []
-    )
+    return said and [f"to be done in {seconds:.3g} s the map has {' and is '.join(said)}{more}"]
 
 
 def fewer(values: tuple[float, ...], count: int) -> tuple[float, ...]:

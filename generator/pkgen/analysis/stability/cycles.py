@@ -16,9 +16,9 @@ import math
 from collections.abc import Callable
 
 from ...equations import Equations
-from ...graph.differentiate import reachable
+from ...graph.differentiate import reachable, symbols_in
 from ...graph.evaluate import evaluate
-from ...graph.graph import BIT, Kind, Op
+from ...graph.graph import BIT, Kind, Op, Symbol
 from ...record import record
 from .ask import Asker
 from .orbits import Orbit
@@ -92,10 +92,10 @@ def find(asker: Asker, period: float | None) -> Cycle | None:
         for orbit in asker.orbits(state=start, h=time, count=1, free=period is None) or ():
             if orbit.rests or not 0.5 * time < orbit.h < 2 * time:
                 continue
-            near = [z for z in orbit.multipliers if abs(z - 1) < 0.01]
-            same = [z for z in orbit.multipliers if abs(z - 1) < 1e-6]
-            trivial = len(same) if period is not None else max(len(near), 1)
-            return Cycle(orbit.h, period is not None, orbit, trivial)
+            driven = period is not None
+            near = 1e-6 if driven else 0.01
+            trivial = max(sum(abs(z - 1) < near for z in orbit.multipliers), not driven)
+            return Cycle(orbit.h, driven, orbit, trivial)
     return None
 
 
@@ -221,15 +221,10 @@ def driven_period(equations: Equations, parameters: tuple[float, ...]) -> float 
         for node in reachable(g, roots, BIT[Kind.TIME])
         if g.op[node] is Op.CALL and g.data[node] in WAVES
     ]
-    values = dict.fromkeys((g.data[n] for n in reachable(g, waves) if g.op[n] is Op.SYMBOL), 0.5)
-    for symbol in values:
-        if symbol.kind == Kind.PARAMETER:
-            values[symbol] = parameters[symbol.index]
-    phases = []
-    for t in (0.0, 1.0, 2.0):
-        at = {s: t if s.kind == Kind.TIME else x for s, x in values.items()}
-        phases.append(evaluate(g, waves, at))
-    rates = {abs(b - a) for a, b in zip(phases[0], phases[1], strict=True) if b != a}
+    values = dict.fromkeys(symbols_in(g, waves), 0.5)
+    values |= {s: parameters[s.index] for s in values if s.kind == Kind.PARAMETER}
+    phases = [evaluate(g, waves, values | {Symbol(Kind.TIME): t}) for t in (0.0, 1.0)]
+    rates = {abs(b - a) for a, b in zip(*phases, strict=True) if b != a}
     if not rates or not all(map(math.isfinite, rates)):
         return None
     slowest = min(rates)

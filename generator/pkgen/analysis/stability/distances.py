@@ -9,7 +9,6 @@ from collections.abc import Sequence
 import numpy
 
 from ...run.integration import Integration
-from ...system.exits import UsageError
 from .unknowns import Placed
 
 SAMPLES, MOST_RETURNS = 8192, 8
@@ -52,8 +51,6 @@ def beside(
     """Makes steps from `state` and from a second state, which differs by `amplitude` times the
     width of the search box in each unknown. Returns the status, the factor by which the distance of
     the two states has grown, and the second state after the last step."""
-    if not h > 0 or not amplitude > 0:
-        raise UsageError("a step is positive, and so is an amplitude")
     unknowns, y = system.unknowns, system.start if state is None else numpy.array(state, float)
     other = y.copy()
     sign = numpy.where(numpy.arange(len(unknowns.of)) % 2, -1, 1)

@@ -26,7 +26,7 @@ from .ghosts import Ghost, ghosts
 from .measure import Growth, Measured, Row
 from .method import StepMap
 from .predict import PAIRS, RESONANCES, Prediction, predictions
-from .rest import Equilibrium, Rest
+from .rest import Rest
 from .steps import MapOptions, refuse_unjudged, steps_over
 from .system import TimeUp
 
@@ -166,22 +166,23 @@ def make(
     flat = tuple(p for name in maps for p in predicted[name])
     # Resonances are measured last, since time may run out.
     flat = tuple(sorted(flat, key=lambda p: p.kind in (*RESONANCES, *PAIRS)))
-    size = _size(at, motion.q, cyclic) if at else 0.0
+    size = plan.apart(at, motion.q, cyclic) if at else 0.0
     amplitude = measure.small(rest, cyclic, size)
     effort = measure.QUICK if asked.quick else measure.FULL
     jobs = len(asked.axis.values) + len(flat) + len(maps) + 1
-    done = [0]
+    ended = 0
     show(0.0, f"0 of {jobs}")
 
     def counted(make: Callable[[], Made]) -> Made:
+        nonlocal ended
         try:
             result = make()
         except TimeUp:
             result = None
         if children.ended():  # interrupted during make()
             raise KeyboardInterrupt
-        done[0] += 1
-        show(done[0] / jobs, f"{done[0]} of {jobs}")
+        ended += 1
+        show(ended / jobs, f"{ended} of {jobs}")
         return result
 
     clock.threads()
@@ -210,22 +211,18 @@ def make(
     found = tuple(sorted(_kept(rows), key=lambda row: row.x))
     checked, growing = tuple(_kept(checks)), next(iter(_kept([leaving])), [])
     interrupted = ""
-    if len(found) < len(rows) or len(checked) < len(checks):
-        late = (
-            f"time was up: {len(found)} of {len(rows)} values of {asked.axis.name} are mapped, "
-            f"{len(checked)} of {len(checks)} predictions measured; --seconds "
-            f"{10 * asked.seconds:.0f} allows for more"
-        )
-        asked = replace(asked, left=(*asked.left, *([] if children.ended() else [late])))
-        asked = replace(asked, axis=replace(asked.axis, values=tuple(row.x for row in found)))
+    done = (
+        f"{len(found)} of {len(rows)} values of {asked.axis.name} are mapped, "
+        f"{len(checked)} of {len(checks)} predictions measured"
+    )
     if children.ended():
         if len(found) < LEAST_ROWS:
             raise KeyboardInterrupt
-        interrupted = (
-            f"interrupted: {len(found)} of {len(rows)} values of {asked.axis.name} are mapped, "
-            f"{len(checked)} of {len(checks)} predictions measured"
-        )
-        asked = replace(asked, axis=replace(asked.axis, values=tuple(row.x for row in found)))
+        interrupted = f"interrupted: {done}"
+    elif len(found) < len(rows) or len(checked) < len(checks):
+        late = f"time was up: {done}; --seconds {10 * asked.seconds:.0f} allows for more"
+        asked = replace(asked, left=(*asked.left, late))
+    asked = replace(asked, axis=replace(asked.axis, values=tuple(row.x for row in found)))
     begun = until, motion, rest, primary
     told = flat, checked, tuple(growing), interrupted
     losses = tuple(one for one in lost.values() if one)
@@ -302,10 +299,3 @@ def _quaternions(compilation: Compilation) -> range:
     # Body rates come before quaternions in v, and are not counted as first-order variables here.
     first = compilation.equations.own
     return range(first, first + 4 * count)
-
-
-def _size(at: Equilibrium, start: tuple[float, ...], cyclic: frozenset[int]) -> float:
-    """Returns the largest distance, over all coordinates that are not cyclic, between the start and
-    the equilibrium."""
-    apart = (abs(a - b) for a, b in zip(at.q, start, strict=True))
-    return max((x for i, x in enumerate(apart) if i not in cyclic), default=0.0)

@@ -21,7 +21,7 @@ from ...record import record
 from .ask import Asker, Motion
 from .method import FURTHEST, LEAP, combined, first_change
 from .orbits import ROUNDED
-from .points import Point
+from .points import FAILURES, Point
 from .predict import RESONANCES, Prediction
 from .rest import Rest
 
@@ -35,15 +35,7 @@ FINE = 1e-6  # relative precision of a step size found by search
 # A resonance has a response if the motion grows this many times more than at step sizes beside it.
 RESPONDS = 1.3
 LOST = 0.5  # a motion with a larger energy error, relative to the range of v.p, is lost
-FAILED = (
-    "growing",
-    "not converged",
-    "wrong branch",
-    "not finite",
-    "singular",
-    "failed",
-    "off constraints",
-)
+FAILED = {"growing", "failed", *FAILURES.values()} - {"refused"}
 BESIDE = 0.06  # step sizes within this relative distance of a resonance are scanned for a response
 
 
@@ -177,11 +169,10 @@ def growths(asker: Asker, at: Rest, amplitude: float) -> list[Growth]:
     """Measures each growing mode by a reference motion that starts at a tenth of `amplitude`."""
     found = []
     for e, place in enumerate(at.equilibria):
-        growing = [k for k, mode in enumerate(place.modes) if mode.growth > 0]
         here = asker.at(place)
-        for k in growing:
-            rate = here.leave(k, amplitude / 10)
-            found.append(Growth(e, k, place.modes[k].growth, rate))
+        for k, mode in enumerate(place.modes):
+            if mode.growth > 0:
+                found.append(Growth(e, k, mode.growth, here.leave(k, amplitude / 10)))
     return found
 
 

@@ -118,17 +118,13 @@ class StepMap:
         apart = self.traits.implicit and self._partitioned and "group" not in self.traits.flags
         return not (self.turning and apart)
 
+    @_once
     def pole(self) -> float | None:
         """Returns the first y at which a step on q'' = +q has no solution, up to FURTHEST; else
-        None."""
+        None. It is the root of 1/trace (the trace of A), which is extrapolated from shorter steps,
+        since steps just below the pole may fail."""
         if not self.traits.implicit or (self.states and self._partitioned):
             return None
-        return self._pole()
-
-    @_once
-    def _pole(self) -> float | None:
-        """Returns the pole. It is the root of 1/trace (the trace of A), which is extrapolated from
-        shorter steps, since steps just below the pole may fail."""
 
         def beyond(y: float) -> bool:
             trace = self.map(y, -1.0).trace
@@ -189,16 +185,14 @@ class StepMap:
                 return first_change(past, low, high)
         return None
 
+    @_once
     def pair(self, kind: str, ratio: float) -> float | None:
         """Returns the y of the faster of two modes at which their rotation angles are in the
         resonance `kind` (a key of PAIRS), or None if there is none. `ratio` is the ratio of the
         exact frequencies."""
         if kind == "1:2" and abs(ratio - 2) < 1e-6:
             return None  # the exact modes are already in resonance
-        return self._pair(kind, ratio)
 
-    @_once
-    def _pair(self, kind: str, ratio: float) -> float | None:
         def excess(y: float) -> float:
             slow, fast = self.map(y / ratio).turn, self.map(y).turn
             return math.nan if slow is None or fast is None else combined(kind, fast, slow)

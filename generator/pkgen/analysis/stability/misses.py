@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from ...record import record
 from .map import StabilityMap
 from .measure import FAILED, Growth, Measured, Row
@@ -23,10 +25,8 @@ class Miss:
 def difference(predicted: float | None, measured: float | None) -> float | None:
     """Returns the difference of the measured and the predicted step size, relative to the latter.
     If neither step size exists, it is 0; if only one exists, it is None."""
-    if predicted is None and measured is None:
-        return 0.0
     if predicted is None or measured is None:
-        return None
+        return 0.0 if predicted is measured else None
     if predicted == 0:
         return 0.0 if measured < 1e-3 else None
     return measured / predicted - 1
@@ -96,38 +96,32 @@ def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
     """Returns a miss for points that fail below the stability limit of the row's primary
     equilibrium, and one for points that do not fail above it: the limit only holds for small
     motions."""
-    below: list[tuple[float, float, str, Row]] = []
-    above: list[tuple[float, float]] = []
-    many_below = many_above = 0
+    below, above = [], []
     for row in rows:
         own = ("limit", method, row.primary)
         limits = [p for p in row.predictions if (p.kind, p.method, p.equilibrium) == own]
-        if not limits or not row.motion.judges:
-            continue
-        limit = limits[0]
-        for point in (p for p in row.points if p.method == method):
-            if limit.h is None or point.h < (1 - TOLERANCE) * limit.h:
-                many_below += 1
-                if point.kind in FAILED:
-                    below.append((row.x, point.h, point.kind, row))
-            elif point.h > (1 + TOLERANCE) * limit.h:
-                many_above += 1
-                if point.kind not in FAILED:
-                    above.append((row.x, point.h))
+        for point in row.points if limits and row.motion.judges else ():
+            limit = math.inf if limits[0].h is None else limits[0].h
+            if point.method == method and point.h < (1 - TOLERANCE) * limit:
+                below.append((row, point))
+            elif point.method == method and point.h > (1 + TOLERANCE) * limit:
+                above.append((row, point))
     found = []
-    if below:
-        x, h, kind, row = min(below, key=lambda b: b[0])
+    failing = [(row, p) for row, p in below if p.kind in FAILED]
+    staying = [(row, p) for row, p in above if p.kind not in FAILED]
+    if failing:
+        row, p = min(failing, key=lambda pair: pair[0].x)
         text = (
-            f"{method}: {len(below)} of {many_below} points below the limit fail; the lowest at "
-            f"{varied} = {x:.4g}, h = {h:.4g}: {kind}{_close(row, method, h)}. The limit is that "
-            "of small motions"
+            f"{method}: {len(failing)} of {len(below)} points below the limit fail; the lowest at "
+            f"{varied} = {row.x:.4g}, h = {p.h:.4g}: {p.kind}{_close(row, method, p.h)}. The limit "
+            "is that of small motions"
         )
         found.append(Miss(method, "below", text))
-    if above:
-        x, h = max(above, key=lambda a: a[1])
+    if staying:
+        row, p = max(staying, key=lambda pair: pair[1].h)
         text = (
-            f"{method}: {len(above)} of {many_above} points above the limit stay; the furthest at "
-            f"{varied} = {x:.4g}, h = {h:.4g}"
+            f"{method}: {len(staying)} of {len(above)} points above the limit stay; the furthest "
+            f"at {varied} = {row.x:.4g}, h = {p.h:.4g}"
         )
         found.append(Miss(method, "above", text))
     return found

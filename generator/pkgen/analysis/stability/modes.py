@@ -172,15 +172,12 @@ def kept(system: System, state: numpy.ndarray) -> numpy.ndarray:
         places = [*range(m), *range(first, n)]
         most = abs(state[:m]).max(initial=0.0) or 1.0
         sizes = [most if j < m else max(1.0, abs(state[n + j])) for j in places]
+        steps = BESIDE * numpy.array(sizes)
         by = numpy.zeros((len(places), 2 * n))
-        by[range(len(places)), [j if j < m else n + j for j in places]] = BESIDE * numpy.array(
-            sizes
-        )
+        by[range(len(places)), [j if j < m else n + j for j in places]] = steps
         ends = system.kernel("constraint rates", 0.0, numpy.concatenate([state + by, state - by]))
-        slopes = (ends[: len(places)] - ends[len(places) :]) / (2 * BESIDE * numpy.array(sizes))[
-            :, None
-        ]
-        C[h : h + c, places] = slopes.T
+        above, below = numpy.split(ends, 2)
+        C[h : h + c, places] = (above - below).T / (2 * steps)
         C[h : h + c, m:first] = J[:, m:first]
     for r in range(turning // 3):
         at = slice(first + 4 * r, first + 4 * r + 4)

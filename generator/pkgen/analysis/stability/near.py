@@ -17,7 +17,6 @@ from collections.abc import Sequence
 import numpy
 
 from ...record import record
-from ...system.exits import UsageError
 from .rest import Mode
 from .system import EXACT, System
 from .unknowns import Placed
@@ -86,9 +85,7 @@ def near(
     """Makes `count` steps from a state near the start, an equilibrium. The state is displaced by
     `amplitude` along the mode with index `mode` or, if this is -1, along all modes that move and do
     not grow; and by `seed` along the mode with index `other`."""
-    modes = system.modes()
-    if not modes or not all(-1 <= k < len(modes) for k in (mode, other or 0)):
-        raise UsageError("no such mode")
+    modes = system.place.modes
     some = [m for m in modes if m.growth <= 0 and m.rate > 0] if mode < 0 else [modes[mode]]
     state = system.start + _displacement(system, some, amplitude)
     state = _settled(system, state)
@@ -129,10 +126,8 @@ def near(
 def leave(system: Placed, mode: int, amplitude: float) -> float:
     """Returns the growth rate of the reference motion that starts at an equilibrium, displaced by
     `amplitude` along a growing mode."""
-    modes = system.modes()
+    modes = system.place.modes
     of, most = modes[mode], max(m.growth for m in modes)
-    if not of.growth > 0:
-        raise UsageError("one mode that grows, please")
     until = math.log(FAR) / most  # later, round-off has grown along a faster mode
     if of.frequency > 0:  # the time is whole periods, so that the phase of the mode has no effect
         period = 2 * math.pi / of.frequency

@@ -14,7 +14,6 @@ from collections.abc import Sequence
 import numpy
 
 from ...record import record
-from ...system.exits import UsageError
 from .system import EXACT
 from .unknowns import TURN, Placed, halton, primes
 
@@ -145,7 +144,8 @@ class _Search:
         while len(starts) and len(self.orbits) < MOST_ORBITS and len(self.known) < MOST_KNOWN:
             before, again = len(self.known), []
             for number, found in self.newton(starts, h, steps).items():
-                if not self._in_sight(found.y) or self._is_known(found.y, before):
+                away = abs(self.unknowns.apart(self.system.middle, found.y)).max()
+                if not away < AWAY or self._is_known(found.y, before):
                     continue
                 if self._is_known(found.y) or self._take(found, first, many):
                     again.append(number)
@@ -159,7 +159,7 @@ class _Search:
             if found.steps % k or not abs(self.gap(y[None], h, k)).max() < SAME:
                 continue
             if k < first:
-                self._know(y)
+                self.known += [y] if len(self.known) < MOST_KNOWN else []
                 return False
             shorter = self.newton(y[None], h, k).get(0)
             if shorter is None:
@@ -170,16 +170,9 @@ class _Search:
             self._keep(found)
         return True
 
-    def _in_sight(self, y: numpy.ndarray) -> bool:
-        return bool(abs(self.unknowns.apart(self.system.middle, y)).max() < AWAY)
-
     def _is_known(self, y: numpy.ndarray, count: int | None = None) -> bool:
         known = self.known[:count]
         return any(abs(self.unknowns.apart(one, y)).max() < SAME for one in known)
-
-    def _know(self, y: numpy.ndarray) -> None:
-        if len(self.known) < MOST_KNOWN:
-            self.known.append(y)
 
     def _rests(self, y: numpy.ndarray, h: float) -> bool:
         """Returns whether y is an equilibrium."""
@@ -197,8 +190,7 @@ class _Search:
         states = [y]
         while len(states) < min(found.steps, STATES):
             states.append(self.it.mapped(states[-1][None], h, 1)[0])
-        for state in states:
-            self._know(state)
+        self.known += states[: MOST_KNOWN - len(self.known)]
         finite = (tuple(map(float, s)) for s in states if numpy.isfinite(s).all())
         multipliers = tuple(complex(z) for z in sorted(values, key=abs, reverse=True))
         self.orbits.append(Orbit(found.steps, h, tuple(finite), multipliers, rests, found.gap))
@@ -221,8 +213,6 @@ def orbits(
     solves for h. Without a method, a step follows the equations exactly for the time h. Returns
     None if the model refuses the method, or if the equations depend on time but are not periodic
     with the duration of these steps."""
-    if not h > 0 or count < 1:
-        raise UsageError("a step is positive, and there is one at least")
     numbers, unknowns = range(first or count, count + 1), system.unknowns
     if not system.given["autonomous"] and (free or not unknowns.in_step([k * h for k in numbers])):
         return None

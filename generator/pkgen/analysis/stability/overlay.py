@@ -15,30 +15,23 @@ from .measure import Row
 from .method import PAIRS
 from .predict import RESONANCES
 
-# Kind of a prediction -> line style, label.
+# Kind of a prediction -> line style, label, text in the legend. The legend has one text for kinds
+# with the same line style.
 LINES = {
-    "limit": ("-", "limit"),
-    "branch": ((0, (6, 2)), "branch"),
-    "1:3": ("--", "1:3"),
-    "1:4": ("-.", "1:4"),
-    "local": ((0, (1, 3)), "scale"),
-    "cycle": ((0, (8, 2, 2, 2)), "cycle lost"),
-    "2:3": ("--", "2:3"),
-    "3:4": ("-.", "3:4"),
-    **dict.fromkeys(PAIRS, (":", "")),
-}
-WORDS = {  # texts in the legend
-    "limit": "predicted limit",
-    "branch": "branch: predicted loss of the solution",
-    "1:3": "step resonance 1:3, 2:3",
-    "1:4": "step resonance 1:4, 3:4",
-    "1:2": "step resonance of two modes",
-    "cycle": "predicted loss of the cycle",
-    "local": "scale: resolves the fastest motion",
+    "limit": ("-", "limit", "predicted limit"),
+    "branch": ((0, (6, 2)), "branch", "branch: predicted loss of the solution"),
+    "1:3": ("--", "1:3", "step resonance 1:3, 2:3"),
+    "2:3": ("--", "2:3", "step resonance 1:3, 2:3"),
+    "1:4": ("-.", "1:4", "step resonance 1:4, 3:4"),
+    "3:4": ("-.", "3:4", "step resonance 1:4, 3:4"),
+    "1:2": (":", "1:2 {slow}, {fast}", "step resonance of two modes"),
+    "1+2": (":", "{fast} + 2{slow}", "step resonance of two modes"),
+    "2+1": (":", "2{fast} + {slow}", "step resonance of two modes"),
+    "cycle": ((0, (8, 2, 2, 2)), "cycle lost", "predicted loss of the cycle"),
+    "local": ((0, (1, 3)), "scale", "scale: resolves the fastest motion"),
 }
 APART = 0.09  # least distance of two stars, relative to the lengths of the axes
 GHOSTS = {"ghost": "ghost that keeps a run", "ghost that repels": "ghost that repels"}
-PAIR_WORDS = {"1:2": "1:2 {slow}, {fast}", "1+2": "{fast} + 2{slow}", "2+1": "2{fast} + {slow}"}
 SILENT, SILENT_DARK = "#708090", "#8FA3B5"  # colours of a resonance without a response
 SIZE = 6.0  # font size of a label, in points
 DOWN = 24  # number of positions along a line that are tried for its label
@@ -96,7 +89,7 @@ def lines(
         if len(at) == len(xs):
             xs = np.concatenate([[bottom], xs, [top]])
             hs = np.concatenate([hs[:1], hs, hs[-1:]])
-        dashes, word = LINES[kind]
+        dashes, word, _ = LINES[kind]
         quiet = (kind, mode, other) in silent
         drawn |= {kind, "silent"} if quiet else {kind}
         colour = _silent(look) if quiet else look.ink
@@ -108,7 +101,7 @@ def lines(
         if kind in RESONANCES and several:
             word = f"{word} {omega(mode)}"
         elif kind in PAIRS:
-            word = PAIR_WORDS[kind].format(fast=omega(mode), slow=omega(other))
+            word = word.format(fast=omega(mode), slow=omega(other))
         elif kind == "limit" and not primary:
             word = "limit elsewhere"
         rank = 2 if quiet else 0 if kind == "limit" and primary else 1
@@ -217,20 +210,15 @@ def _star(kind: str, look: Look) -> dict[str, object]:
 
 def handles(drawn: set[str], look: Look) -> list[tuple[Line2D, str]]:
     """Returns legend entries for everything drawn by lines(), measured() and ghosts()."""
-    same = {"2:3": "1:3", "3:4": "1:4", **dict.fromkeys(PAIRS, "1:2")}
-    shown = {same.get(kind, kind) for kind in drawn}
-    found = [
-        (Line2D([], [], color=look.ink, ls=LINES[kind][0], lw=1.0), words)
-        for kind, words in WORDS.items()
-        if kind in shown
-    ]
-    if "silent" in shown:
+    shown = {words: dashes for kind, (dashes, _, words) in LINES.items() if kind in drawn}
+    found = [(Line2D([], [], color=look.ink, ls=ls, lw=1.0), words) for words, ls in shown.items()]
+    if "silent" in drawn:
         line = Line2D([], [], color=_silent(look), ls="--", lw=1.0)
         found.append((line, "resonance that nothing answers"))
     for kind, words in GHOSTS.items():
-        if kind in shown:
+        if kind in drawn:
             found.append((Line2D([], [], **_star(kind, look)), words))
-    if "measured" in shown:
+    if "measured" in drawn:
         mark = Line2D([], [], color=look.ink, marker="^", ls="", ms=4)
         found.append((mark, "measured, small motion"))
     return found

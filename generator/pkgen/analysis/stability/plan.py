@@ -237,15 +237,17 @@ def nearest(rest: Rest, place: Sequence[float], cyclic: frozenset[int]) -> int |
     equilibria, the others do not count."""
 
     def distance(number: int) -> tuple[bool, float]:
-        at = rest.equilibria[number]
-        apart = [
-            abs(rest.beside(a, b, i) - b)
-            for i, (a, b) in enumerate(zip(at.q, place, strict=True))
-            if i not in cyclic
-        ]
-        return not at.stable, max(apart, default=0.0)
+        at = beside(rest, number, place, cyclic)
+        return not at.stable, apart(at, place, cyclic)
 
     return min(range(len(rest.equilibria)), key=distance, default=None)
+
+
+def apart(at: Equilibrium, place: Sequence[float], cyclic: frozenset[int]) -> float:
+    """Returns the largest distance, over all coordinates that are not cyclic, between the
+    coordinates `place` and the equilibrium."""
+    far = (abs(a - b) for a, b in zip(at.q, place, strict=True))
+    return max((x for i, x in enumerate(far) if i not in cyclic), default=0.0)
 
 
 def beside(

@@ -168,7 +168,7 @@ def classified(reference: Reference, method: str, h: float) -> Point:
     it = system.begin(method, h=h, watch=0 if system.by_norm else CONSTANTS)
     e = _Energies(reference, it)
     motion = None if it.failed else e.follow(steps, h)
-    kind, scale = "bounded", motion.scale if motion else 1.0
+    kind, scale = "bounded", (motion and motion.scale) or 1.0  # 0 if the motion is at rest
     others: dict[str, str | float | None] = {}
     if motion:
         if not reference.judges:
@@ -178,7 +178,7 @@ def classified(reference: Reference, method: str, h: float) -> Point:
         elif e.has_left and e.away > 1e-11 * motion.size:
             before, symmetric = e.away, it.report()["symmetric"]
             motion = e.follow(4 * steps, h) if symmetric else motion
-            scale = motion.scale if motion else scale
+            scale = (motion and motion.scale) or scale
             if not symmetric or (e.has_left and e.away > 1.2 * before):
                 kind = "drifting"
         report = it.report()

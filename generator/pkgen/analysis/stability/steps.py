@@ -37,22 +37,20 @@ class MapOptions:
 def refuse_unjudged(motions: Iterable[Motion]) -> None:
     """Raises UsageError if no method can be judged by any of the reference motions, one per row of
     the map, since each leaves or ends early."""
-    first = None
-    for motion in motions:
-        if motion.judges:
-            return
-        first = first or motion
-    if first and first.leaves:
+    motions = iter(motions)
+    first = next(motions, None)
+    if first is None or first.judges or any(motion.judges for motion in motions):
+        return
+    if first.leaves:
         raise UsageError(
             f"the motion itself leaves: at t = {first.t:.6g} it is still going away and nothing of "
             "it comes back, so no method can be told by whether it stays. Give a start that "
             "stays by --start, or a longer --until if it comes back later"
         )
-    if first:
-        raise UsageError(
-            f"the motion itself ends at t = {first.t:.6g}: {first.status}. Give a shorter --until, "
-            "or another start by --start"
-        )
+    raise UsageError(
+        f"the motion itself ends at t = {first.t:.6g}: {first.status}. Give a shorter --until, "
+        "or another start by --start"
+    )
 
 
 def steps_over(
@@ -69,8 +67,7 @@ def steps_over(
         low, high = asked.steps
         _refuse_too_many(low, until)
         return [low + (high - low) * k / (count - 1) for k in range(count)]
-    limits = [p.h for p in predicted if p.kind == "limit" and p.h]
-    limits += [p.h for p in predicted if p.kind == "cycle" and p.h]
+    limits = [p.h for p in predicted if p.kind in ("limit", "cycle") and p.h]
     limits = limits or [2 * p.h for p in predicted if p.kind in scales and p.h]
     branches = [p.h for p in predicted if p.kind == "branch" and p.h]
     if limits:

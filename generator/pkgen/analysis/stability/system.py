@@ -40,9 +40,8 @@ class System:
         self.n, self.m = len(given["v"]), len(given["q"])  # numbers of unknowns and of coordinates
         self.turning = 3 * given["rotations"]  # number of body rates in v, before quaternions
         self.bound = bool(given["rotations"] or given["constraints"])
-        self.start = numpy.array(
-            [*map(_number, given["q"]), *[0.0] * (self.n - self.m), *map(_number, given["v"])]
-        )
+        unread = [0.0] * (self.n - self.m)
+        self.start = numpy.array([*given["q"], *unread, *given["v"]], float)  # None becomes NaN
         self.until = settings.until
         self.idle = numpy.zeros(self.n, bool)  # unknowns on which no rate depends
         self.idle[given["cyclic"]] = True
@@ -120,9 +119,8 @@ class System:
         """Returns for each first-order variable whether no rate depends on it. The derivatives of
         all rates are computed at three test states."""
         unread = numpy.ones(self.n - self.m, bool)
-        number = numpy.tile(numpy.arange(self.n), 2)
-        by = numpy.where(numpy.arange(2 * self.n) < self.n, 0.01 + 0.013 * number, 0.0)
-        by += numpy.where(numpy.arange(2 * self.n) >= self.n, 0.02 + 0.011 * number, 0.0)
+        number = numpy.arange(self.n)
+        by = numpy.concatenate([0.01 + 0.013 * number, 0.02 + 0.011 * number])
         for k in range(3):
             jacobian = self.kernel("jacobian", 0.0, self.start + k * by * (1 + abs(self.start)))
             unread &= (jacobian.reshape(2, self.n, self.n)[1][:, self.m :] == 0).all(0)
@@ -145,10 +143,8 @@ class System:
         motion = self.reference()
         while not motion.failed and motion.t < self.until:
             states = motion.steps(self.until, MOST_STEPS)[:, 1:]
-            low, high = (
-                numpy.fmin(low, states.min(0, initial=math.inf)),
-                numpy.fmax(high, states.max(0, initial=-math.inf)),
-            )
+            low = numpy.fmin(low, states.min(0, initial=math.inf))
+            high = numpy.fmax(high, states.max(0, initial=-math.inf))
         n, m = self.n, self.m
         unknown = [*range(m), *range(n + m, 2 * n)]
         self.reach = numpy.fmax(high - self.start, self.start - low)[unknown]
@@ -167,7 +163,3 @@ class System:
         linear equation that the body's quaternion obeys."""
         rates = self.v(state)[self.m : self.m + self.turning].reshape(-1, 3)
         return float(numpy.sqrt((rates**2).sum(1)).max(initial=0.0))
-
-
-def _number(x: float | None) -> float:
-    return math.nan if x is None else float(x)

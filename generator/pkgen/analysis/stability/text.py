@@ -7,6 +7,7 @@ import io
 import math
 
 from ...run import named
+from ..chart.text import aligned
 from .ask import TRIES
 from .map import StabilityMap
 from .misses import difference, misses, name_mode, unmeasured, unpredicted, unsought
@@ -20,15 +21,17 @@ Table = tuple[list[str], list[list[str]]]
 
 def _unknowns(made: StabilityMap) -> list[tuple[str, bool]]:
     """Returns the name of each unknown of an equilibrium, and whether it is a rate."""
-    places = [c.name for c in named.coordinates(made.compilation).columns(64)]
-    rates = [c.name for c in named.coordinates(made.compilation, rates=True).columns(64)]
-    cyclic = made.compilation.structure.cyclic
-    return [
-        (name, k >= len(places) or cyclic[k])
-        for k, name in enumerate(
-            rates[k] if k >= len(places) or cyclic[k] else places[k] for k in range(len(rates))
-        )
-    ]
+    places, rates = _names(made)
+    moving = {k for k, cyclic in enumerate(made.compilation.structure.cyclic) if cyclic}
+    moving |= {*range(len(places), len(rates))}
+    return [(name if k in moving else places[k], k in moving) for k, name in enumerate(rates)]
+
+
+def _names(made: StabilityMap) -> tuple[list[str], list[str]]:
+    """Returns the names of the coordinates and of their rates."""
+    found = (named.coordinates(made.compilation, rates=rates) for rates in (False, True))
+    places, rates = ([c.name for c in one.columns(64)] for one in found)
+    return places, rates
 
 
 def _shown(made: StabilityMap) -> list[tuple[int, tuple[str, bool]]]:
@@ -140,8 +143,7 @@ def ghosts(made: StabilityMap) -> Table:
 def _state(made: StabilityMap, y: tuple[float, ...], beside: tuple[tuple[float, ...], ...]) -> str:
     """Formats the coordinates and rates of a state of a ghost, whose rates may differ from 0.
     Angles are in (-pi, pi]."""
-    places = [c.name for c in named.coordinates(made.compilation).columns(64)]
-    rates = [c.name for c in named.coordinates(made.compilation, rates=True).columns(64)]
+    places, rates = _names(made)
     turns, cyclic = made.rest.turns, made.compilation.structure.cyclic
     largest = max(abs(x) for state in beside for x in state)
     said = []
@@ -242,20 +244,21 @@ def remarks(made: StabilityMap) -> list[str]:
             else "there are more equilibria than are listed"
         )
     found += conditions(made)
-    ended = [row for row in made.rows if row.motion.status != "PK_DONE"]
-    if ended:
-        row = ended[0]
-        found.append(
-            f"the motion itself ends in {len(ended)} of {len(made.rows)} rows, first at "
-            f"{made.asked.axis.name} = {row.x:.4g}: {row.motion.status} at t = {row.motion.t:.6g}"
-        )
-    leaving = [row for row in made.rows if row.motion.leaves]
-    if leaving:
-        found.append(
-            f"the motion itself leaves in {len(leaving)} of {len(made.rows)} rows, first at "
-            f"{made.asked.axis.name} = {leaving[0].x:.4g}: at t = {leaving[0].motion.t:.6g} it is "
-            "still going away, so no method is judged there by whether it stays"
-        )
+    for does, says, rows in (
+        ("ends", "{} at t = {:.6g}", [r for r in made.rows if r.motion.status != "PK_DONE"]),
+        (
+            "leaves",
+            "at t = {1:.6g} it is still going away, so no method is judged there by whether it "
+            "stays",
+            [row for row in made.rows if row.motion.leaves],
+        ),
+    ):
+        if rows:
+            first = rows[0].motion
+            found.append(
+                f"the motion itself {does} in {len(rows)} of {len(made.rows)} rows, first at "
+                f"{made.asked.axis.name} = {rows[0].x:.4g}: {says.format(first.status, first.t)}"
+            )
     return found
 
 
@@ -276,15 +279,6 @@ def conditions(made: StabilityMap) -> list[str]:
     if said:
         found.append(f"condition numbers along the motions, at most: {', '.join(said)}")
     return found
-
-
-def _columns(table: Table) -> list[str]:
-    heads, rows = table
-    widths = [max(len(line[k]) for line in [heads, *rows]) for k in range(len(heads))]
-    return [
-        "  ".join(cell.ljust(w) for cell, w in zip(line, widths, strict=True)).rstrip()
-        for line in [heads, *rows]
-    ]
 
 
 def sentences(made: StabilityMap) -> list[str]:
@@ -316,9 +310,10 @@ def report(made: StabilityMap) -> str:
         f"{made.asked.across} steps, {made.until:.6g}{unit} of motion each",
     ]
     if made.rest.equilibria:
-        out += ["", *_columns(equilibria(made))]
-    for title, _, table in tables(made):
-        out += ["", title, *(f"  {line}" for line in _columns(table))]
+        heads, rows = equilibria(made)
+        out += ["", *aligned([heads, *rows])]
+    for title, _, (heads, rows) in tables(made):
+        out += ["", title, *(f"  {line}" for line in aligned([heads, *rows]))]
     out += ["", "Misses", *(f"  - {line}" for line in sentences(made))]
     if remarks(made):
         out += ["", "Remarks", *(f"  - {line}" for line in remarks(made))]
@@ -333,7 +328,7 @@ def as_csv(made: StabilityMap) -> str:
     writer.writerow([*head, *FAR, "constant"])
     for row in made.rows:
         for p in row.points:
-            place = p.method, repr(p.h), repr(row.x), repr(row.motion.energy)
-            far = ("" if x is None else repr(x) for x in (getattr(p, name) for name in FAR))
+            place = p.method, p.h, row.x, row.motion.energy
+            far = (getattr(p, name) for name in FAR)
             writer.writerow([*place, p.kind, p.status, p.steps, *far, p.constant])
     return out.getvalue()

@@ -15,8 +15,7 @@ from itertools import count, islice
 
 import numpy
 
-from ...system.exits import UsageError
-from .rest import Equilibrium, Mode
+from .rest import Equilibrium
 from .system import System
 
 TURN = 2 * math.pi
@@ -97,9 +96,3 @@ class Placed(System):
     def unknowns(self) -> Unknowns:
         with numpy.errstate(all="ignore"):
             return Unknowns(self)
-
-    def modes(self) -> tuple[Mode, ...]:
-        """Returns the modes of the equilibrium at which runs start."""
-        if self.place is None or self.place.status != "PK_DONE":
-            raise UsageError(f"no modes here: {self.place and self.place.status}")
-        return self.place.modes

@@ -15,7 +15,7 @@ from fractions import Fraction
 from sys import float_info
 
 from ...graph.evaluate import value_of
-from ...graph.graph import VARIABLE, Graph, Kind, Node, Op
+from ...graph.graph import Kind, Node, Op
 from ...graph.magnitudes import may_vanish
 from ...model import Model
 from ...source import Diagnostic, ModelError
@@ -38,21 +38,11 @@ class Beyond(Exception):
         return ModelError(model.source, [Diagnostic(message, far.span, help)])
 
 
-class Tables:
-    """Lists with an element for each node of a graph. `fixed` tells whether the node depends on
-    parameters alone."""
-
-    def __init__(self, graph: Graph) -> None:
-        self.op = list(graph.op)
-        self.args = list(graph.args)
-        self.data = list(graph.data)
-        self.fixed = [not mask & VARIABLE for mask in graph.depends]
-
-
 class Constants:
-    """Checks the range of the constants in a C program while it is written."""
+    """Checks the range of the constants in a C program while it is written. `work` is a Workspace
+    (rewrite.py)."""
 
-    def __init__(self, work: Tables) -> None:
+    def __init__(self, work) -> None:
         self._work = work
         self._values: dict[Node, float | None] = {}  # None for nodes with parameters
         self.float_too = True  # whether all constants fit in C's float

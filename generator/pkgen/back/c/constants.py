@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
-from fractions import Fraction
 
 from ...graph.graph import Node, Op
 from ...record import record
@@ -71,14 +70,9 @@ def _form(
         return None
     if (core := work.negated(node)) is not None:
         return minus(forms[core])
-    if op is Op.ADD:
-        return added(*parts)
-    if op is Op.MULTIPLY:
-        return multiplied(*parts)
-    if op is Op.POWER:
-        assert work.data[node] == Fraction(-1)
-        return inverted(*parts)
-    return called(str(work.data[node]), parts, "")
+    if op is Op.CALL:
+        return called(str(work.data[node]), parts, "")
+    return {Op.ADD: added, Op.MULTIPLY: multiplied, Op.POWER: inverted}[op](*parts)
 
 
 def _name(form: Form) -> str:

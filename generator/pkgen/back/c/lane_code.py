@@ -12,7 +12,7 @@ from ...record import record
 from ..targets import CHECK, LOAD, LOCAL, TRIG
 from .kernel_code import KernelCode, grouped, unused
 from .program import Kernel, Program, Statement
-from .tree import Assign, Declare, Function, If, Loop, Node
+from .tree import Declare, Function, If, Loop, Node
 
 SIDE_BY_SIDE = (
     "W <= 64 states side by side in loops without branches, which a compiler makes vector code "
@@ -203,7 +203,7 @@ return failed;"""
         sc = ", sc_" if self.pairs else ""
         call = f"{self.stem}_pass({self._lane(self.algebra, form)}{sc}, a_)"
         lane.append(f"pk_real a_[{n}];")
-        lane.append(Assign("bad[l]", call, "|=" if self.pairs else "="))
+        lane.append(f"bad[l] {'|=' if self.pairs else '='} {call};")
         lane.append("any |= bad[l];")
         lane += [f"a[{i} * W + l] = a_[{i}];" for i in range(n)]
         yield from ("PK_LANE_LOOP", Loop(EACH_LANE, lane))

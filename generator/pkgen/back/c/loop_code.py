@@ -15,21 +15,7 @@ from .loops_before import Before
 from .loops_plan import Rates
 from .loops_sets import PairSet, RowSet, TotalSet
 from .program import Statement
-from .tree import (
-    Assign,
-    Blank,
-    Call,
-    Comment,
-    Declare,
-    Function,
-    If,
-    Loop,
-    Node,
-    Return,
-    Scope,
-    Text,
-    rendered,
-)
+from .tree import Declare, Function, If, Loop, Node, Scope, Text, rendered
 
 STATE = "p, t, q, v, u"
 KICKED = "p, t, q, q, u"  # If forces do not depend on v, any array may be passed as v.
@@ -42,7 +28,7 @@ def _pairwise(name: str, texts: Sequence[str]) -> str:
 
 
 def _stated(lines: Sequence[str]) -> list[Node]:
-    return [Call(line.removesuffix(";")) for line in lines]
+    return [f"{line.removesuffix(';')};" for line in lines]
 
 
 class LoopCode:
@@ -53,7 +39,7 @@ class LoopCode:
         self._before = before
         state = "pk_real t, const pk_real *q, const pk_real *v, const pk_real *u"
         self.ARGS = f"const struct {name}_params *p, {state}"
-        self.unused = Call("(void)p, (void)t, (void)q, (void)v, (void)u")
+        self.unused = "(void)p, (void)t, (void)q, (void)v, (void)u;"
 
     # -- text of a few nodes ------------------------------------------------------------------
 
@@ -105,12 +91,12 @@ class LoopCode:
 
     def _in_lane(self, block: Block) -> list[Node]:
         body = [Declare("pk_bits", "far", "0")] if block.trig else []
-        body += [self.unused, Call("(void)m"), *statements(block.statements, "PK_IN_LANE", "far")]
-        return [*body, Return("far" if block.trig else "0")]
+        body += [self.unused, "(void)m;", *statements(block.statements, "PK_IN_LANE", "far")]
+        return [*body, f"return {'far' if block.trig else 0};"]
 
     def _part(self, s: RowSet) -> list[Node]:
-        body = [self.unused, *(Assign(f"r[{k}]", "0") for k in range(s.outputs))]
-        body.append(Call("(void)m"))
+        body = [self.unused, *(f"r[{k}] = 0;" for k in range(s.outputs))]
+        body.append("(void)m;")
         for g in s.guarded:
             condition = f"m >= {g.lo} && m <= {g.hi}"
             body.append(If(condition, [Scope([*statements(g.block.statements)])]))
@@ -122,17 +108,17 @@ class LoopCode:
         end = f"{hi} + {s.above}"
         home = f"{self.name}_home_{group['name']}(p, i)"
         cell = [
-            If(f"i == {lo}", [Assign("i", f"{hi} + 1")]),
-            If(f"i > {end} || {home} != m", [Call("continue")]),
-            Call(f"{stem}_part({STATE}, i, g)"),
-            *(Assign(f"r[{k}]", f"g[{k}]", "+=") for k in range(outputs)),
+            If(f"i == {lo}", [f"i = {hi} + 1;"]),
+            If(f"i > {end} || {home} != m", ["continue;"]),
+            f"{stem}_part({STATE}, i, g);",
+            *(f"r[{k}] += g[{k}];" for k in range(outputs)),
         ]
         return [
             Declare("pk_real", f"g[{outputs}]"),
             Declare("ptrdiff_t", "i"),
-            Blank(),
-            Call(f"{stem}_part({STATE}, m, r)"),
-            Comment("Ghosts alone: cells beyond an end."),
+            "",
+            f"{stem}_part({STATE}, m, r);",
+            "/* Ghosts alone: cells beyond an end. */",
             Loop(f"i = {lo} - {s.below}; i <= {end}; i++", cell),
         ]
 
@@ -153,7 +139,7 @@ class LoopCode:
     def _bonds(self, s: RowSet, begin: str, end: str, arguments: str) -> Node:
         place = f"flux + (m - base + {self.name}_BOND)"
         call = f"{self.name}_{s.name}_bond({arguments}, m, {place})"
-        noted = Assign("far", call, "|=") if s.flux_trig else Call(f"(void){call}")
+        noted = f"far |= {call};" if s.flux_trig else f"(void){call};"
         return Loop(f"m = {begin}; m < {end}; m++", [noted])
 
     def rows(
@@ -174,7 +160,7 @@ class LoopCode:
         row."""
         place = f"flux + (m - base + {self.name}_BOND), " if s.flux else ""
         call = f"{self.name}_{s.name}_inner({arguments}, {place}m, r)"
-        noted = Assign("far", call, "|=") if s.inner.trig else Call(f"(void){call}")
+        noted = f"far |= {call};" if s.inner.trig else f"(void){call};"
         row = Declare("pk_real", f"r[{s.outputs}]")
 
         def chunk(last: str) -> list[Node]:
@@ -186,7 +172,7 @@ class LoopCode:
                 nodes.append(self._bonds(s, f"chunk - {s.span}", last, arguments))
             nodes.append(Loop(each, [row, noted, *_stated(inside)]))
             if s.trig:
-                again = [row, Call(f"{self.edge(s)}({arguments}, m, r)"), *_stated(outside)]
+                again = [row, f"{self.edge(s)}({arguments}, m, r);", *_stated(outside)]
                 nodes.append(Loop(f"m = chunk; far && m < {last}; m++", again))
             return [*nodes, Loop(each, _stated(then))] if then else nodes
 
@@ -202,7 +188,7 @@ class LoopCode:
         """Returns loops that compute the rows of all members of a family. The statements `outside`
         follow each row near an end, the statements `inside` each row in the interior."""
         row = Declare("pk_real", f"r[{s.outputs}]")
-        at_end = [row, Call(f"{self.edge(s)}({STATE}, m, r)"), *_stated(outside)]
+        at_end = [row, f"{self.edge(s)}({STATE}, m, r);", *_stated(outside)]
         block = f"{self.name}_BLOCK"
         stop = f"{self.name}_least(base + {block}, hi + 1)"
         span = [*self.flux(s), Declare("const ptrdiff_t", "stop", stop)]
@@ -212,7 +198,7 @@ class LoopCode:
         body = [
             *self._ends(s, f"{s.group['hi']} + 1"),
             Declare("ptrdiff_t", "m, base, chunk"),
-            Blank(),
+            "",
             Loop(f"m = {s.group['lo']}; m < lo && m < end; m++", at_end),
             Loop(f"base = m; base <= hi; base += {block}", span),
             Loop(f"m = {self.most(('m', 'hi + 1'), 'most')}; m < end; m++", at_end),
@@ -245,10 +231,10 @@ class LoopCode:
         else:
             own = f"{self.name}_total_rate_{key}"
             found = self.total_function(x.total, f"static pk_real {own}({self.ARGS})")
-            rows = Assign(f"out[{x.group['first']}]", f"{own}({STATE})")
+            rows = f"out[{x.group['first']}] = {own}({STATE});"
         body = [
             Declare("pk_real *const", "out", f"{self.name}_rated(p)"),
-            Blank(),
+            "",
             rows,
             *(Text(self.pair_loop(pair, "out")) for pair in x.pairs),
         ]
@@ -263,7 +249,7 @@ class LoopCode:
         it, and reduce the rounding error. The function begins with the lines of before(key)."""
         body = [
             Declare("pk_real", "total"),
-            Blank(),
+            "",
             self.unused,
             *_stated([*self._before.lines(key)]),
             *statements(x.constant.statements),
@@ -272,26 +258,26 @@ class LoopCode:
             body.append(self._eight_sums(x.rows))
         for pair in x.pairs:
             one = [Declare("pk_real", "r[1]"), *statements(pair.block.statements)]
-            inner = Loop(self._over_j(pair), [*one, Assign("total", "r[0]", "+=")])
+            inner = Loop(self._over_j(pair), [*one, "total += r[0];"])
             outer = Loop(self._over_m(pair), [inner])
             body.append(Scope([Declare("ptrdiff_t", "m, j"), outer]))
         functions = self.row_functions(x.rows) if x.rows else ""
-        return functions + Function(signature, [*body, Return("total")]).text
+        return functions + Function(signature, [*body, "return total;"]).text
 
     def _eight_sums(self, s: RowSet) -> Scope:
         stem = f"{self.name}_{s.name}"
-        part = [Call(f"{stem}_part({STATE}, m, r)"), Assign("total", "r[0]", "+=")]
+        part = [f"{stem}_part({STATE}, m, r);", "total += r[0];"]
         eight = "l = 0; l < 8; l++"
         call = f"{stem}_inner({STATE}, m + l, x + l)"
         if s.inner.trig:
             work = [
                 Declare("pk_bits", "far", "0"),
-                Loop(eight, [Assign("far", call, "|=")]),
-                Loop("l = 0; far && l < 8; l++", [Call(f"{stem}_part({STATE}, m + l, x + l)")]),
+                Loop(eight, [f"far |= {call};"]),
+                Loop("l = 0; far && l < 8; l++", [f"{stem}_part({STATE}, m + l, x + l);"]),
             ]
         else:
-            work = [Loop(eight, [Call(f"(void){call}")])]
-        added = Loop(eight, [Assign("s[l]", "x[l]", "+=")])
+            work = [Loop(eight, [f"(void){call};"])]
+        added = Loop(eight, ["s[l] += x[l];"])
         total = "((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]))"
         begin = self.most(s.firsts, "least")
         return Scope(
@@ -299,11 +285,11 @@ class LoopCode:
                 *self._ends(s, f"{self.most(s.lasts, 'most')} + 1"),
                 Declare("pk_real", "s[8] = {0, 0, 0, 0, 0, 0, 0, 0}, r[1]"),
                 Declare("ptrdiff_t", "m, l"),
-                Blank(),
+                "",
                 Loop(f"m = {begin}; m < lo && m < end; m++", part),
                 Loop("; m + 7 <= hi; m += 8", [Declare("pk_real", "x[8]"), *work, added]),
                 Loop("; m < end; m++", part),
-                Assign("total", total, "+="),
+                f"total += {total};",
             ]
         )
 
@@ -320,11 +306,11 @@ class LoopCode:
         summed in local variables; the force on member j is added to `array` directly."""
         count = len(x.block.targets)
         pair = [Declare("pk_real", f"r[{count}]"), *statements(x.block.statements)]
-        pair += [Assign(f"own[{k}]", f"r[{k}]", "+=") for k in x.own]
-        pair += [Assign(f"{array}[{at}]", f"r[{k}]", "+=") for k, at in x.other.items()]
+        pair += [f"own[{k}] += r[{k}];" for k in x.own]
+        pair += [f"{array}[{at}] += r[{k}];" for k, at in x.other.items()]
         row = [Declare("pk_real", f"own[{count}]", "{0}")] if x.own else []
         row.append(Loop(self._over_j(x), pair))
-        row += [Assign(f"{array}[{at}]", f"own[{k}]", "+=") for k, at in x.own.items()]
+        row += [f"{array}[{at}] += own[{k}];" for k, at in x.own.items()]
         body = [Declare("ptrdiff_t", "m, j"), Loop(self._over_m(x), [Scope(row)])]
         return "\n".join(rendered([Scope(body)])) + "\n"
 

@@ -24,7 +24,7 @@ from .parameter_code import (
     hoisted,
 )
 from .program import Interval, Statement
-from .tree import Assign, Blank, Call, Declare, Function, If, Loop, Node, Return, Scope
+from .tree import Declare, Function, If, Loop, Node, Scope
 
 
 def each(lo: str, hi: str, nodes: list[Node]) -> list[Node]:
@@ -51,8 +51,8 @@ def summed(found: Sequence[Summing]) -> Iterator[Node]:
         for name, lo, hi in reversed(x.ranges):
             inner = [Loop(f"{name} = {lo}; {name} <= {hi}; {name}++", [Scope(inner)])]
         names = ", ".join(name for name, _, _ in x.ranges)
-        yield Assign(x.place, "0")
-        yield Scope([Declare("ptrdiff_t", names), Blank(), *inner])
+        yield f"{x.place} = 0;"
+        yield Scope([Declare("ptrdiff_t", names), "", *inner])
 
 
 def code(
@@ -79,7 +79,7 @@ def _index(nodes: Iterable[Node]) -> list[Node]:
     """Returns a declaration of the loop variable m if the statements contain a loop."""
     inside = [part for node in nodes for part in (node.body if isinstance(node, Scope) else [node])]
     needed = any(isinstance(node, Loop) for node in inside)
-    return [Declare("ptrdiff_t", "m"), Blank()] if needed else []
+    return [Declare("ptrdiff_t", "m"), ""] if needed else []
 
 
 def functions(
@@ -103,41 +103,39 @@ def functions(
     follow = [node for row in rows if row.follows for node in row.default]
     bounds = [Scope(row.bounds) for row in rows]
     start = [node for x in starts for node in assigned(x, summed)]
-    none = Loop(f"m = 0; m < (ptrdiff_t){model}_count(p); m++", [Assign("q[m] = v[m]", "0")])
+    none = Loop(f"m = 0; m < (ptrdiff_t){model}_count(p); m++", ["q[m] = v[m] = 0;"])
 
     def prepared() -> Iterator[Node]:
         if count:
             yield Declare("size_t", "k")
-        yield from _index(node for row in rows for node in row.check) or [Blank()]
+        yield from _index(node for row in rows for node in row.check) or [""]
         unfit = f"!{model}_fits(p)" + " || !p->work_" * block
-        yield If(unfit, [Return("PK_FAILED(PK_FAILURE_SIZE, 0)")])
+        yield If(unfit, ["return PK_FAILED(PK_FAILURE_SIZE, 0);"])
         yield from checks(rows)
         yield from hoisted(count, statements(prepare))
         for k in fixed:
             value = f"{model}_total_sum_{k}(p, 0, NULL, NULL, NULL)"
-            yield Assign(f"{model}_sums(p)[{k}]", value)
+            yield f"{model}_sums(p)[{k}] = {value};"
         alone = ", 0, NULL, NULL" if bound else ""
         value = f"{model}_factored(p, 0, NULL, NULL, NULL{alone})" if factored else "0"
-        yield from (Assign("p->failed_", value), Return("0"))
+        yield from (f"p->failed_ = {value};", "return 0;")
 
     found = [
         Function(
             f"void {model}_defaults({params})",
             [
                 *_index(defaults),
-                If(f"!{model}_fits(p)", [Return()]),
+                If(f"!{model}_fits(p)", ["return;"]),
                 *defaults,
-                Call(f"(void){model}_prepare(p)"),
+                f"(void){model}_prepare(p);",
             ],
         ),
-        Function(
-            DERIVE.format(model), [*_index(follow), Call("(void)p, (void)given"), *derived(rows)]
-        ),
+        Function(DERIVE.format(model), [*_index(follow), "(void)p, (void)given;", *derived(rows)]),
         Function(PREPARE.format(model), [*prepared()]),
-        Function(BOUNDS.format(model), [Call("(void)p, (void)lo, (void)hi"), *bounds]),
+        Function(BOUNDS.format(model), ["(void)p, (void)lo, (void)hi;", *bounds]),
         Function(
             f"void {model}_start(const {params}, pk_real *q, pk_real *v)",
-            [Declare("ptrdiff_t", "m"), Blank(), none, *start],
+            [Declare("ptrdiff_t", "m"), "", none, *start],
         ),
     ]
     return "\n".join(function.text for function in found)

@@ -78,11 +78,12 @@ def render(
     kernels. `report`: the simplifications made to a scene; the header lists these."""
     lines = report.lines if report else ()
     context = _context(program) | {"reductions": [str(line) for line in lines]}
-    templates = {".h": "header.h.j2", ".c": "source.c.j2", **GLUE}
-    if program.plain:
-        templates = {".h": "header.h.j2", ".c": "source.c.j2"}
+    templates = {".h": "header.h.j2", ".c": "source.c.j2"} | ({} if program.plain else GLUE)
     if self_test:
-        _refuse_parts(program)
+        e, known = program.equations, {kernel.name for kernel in program.kernels}
+        missing = [n for n in _TESTED.split() if KERNELS[n].exists(e) and n not in known]
+        if missing:
+            raise ValueError(f"a self-test needs the kernels {', '.join(missing)} too")
         templates["_selftest.c"] = "selftest.c.j2"
     return _files(program.equations.model.name, context, templates)
 
@@ -99,9 +100,9 @@ def _files(name: str, context: dict[str, Any], templates: dict[str, str]) -> dic
         f"{name}{end}": _environment().get_template(template).render(context)
         for end, template in templates.items()
     }
-    if not context["embedded"]:
-        return files
-    return {name: _embedded(text) for name, text in files.items()}
+    for pattern, by in _EMBEDDED if context["embedded"] else ():
+        files = {name: re.sub(pattern, by, text) for name, text in files.items()}
+    return files
 
 
 # Replacements (pattern, text) that make lean C, which needs no header of the runtime: functions by
@@ -117,12 +118,6 @@ _EMBEDDED = (
     (r"PK_FAILED\(PK_FAILURE_\w+, (\d+)\)", lambda m: f"{1 + int(m[1])}"),
     (r"PK_FAILED\(PK_FAILURE_\w+, (\w+)\)", r"1 + \1"),
 )
-
-
-def _embedded(text: str) -> str:
-    for pattern, by in _EMBEDDED:
-        text = re.sub(pattern, by, text)
-    return text
 
 
 PORTABLE = "#define PK_PORTABLE 1 /* no fused multiply-add: the same bits with and without */\n"
@@ -178,14 +173,6 @@ def portable(files: dict[str, str]) -> dict[str, str]:
 
 def is_portable(files: dict[str, str]) -> bool:
     return any(PORTABLE in text for text in files.values())
-
-
-def _refuse_parts(program: Program) -> None:
-    """Raises ValueError if a kernel that the self-test needs is missing."""
-    e = program.equations
-    missing = [n for n in _TESTED.split() if KERNELS[n].exists(e) and program.kernel(n) is None]
-    if missing:
-        raise ValueError(f"a self-test needs the kernels {', '.join(missing)} too")
 
 
 TEMPLATES = Path(__file__).parent / "templates"

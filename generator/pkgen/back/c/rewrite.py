@@ -17,19 +17,22 @@ from fractions import Fraction
 from math import prod
 
 from ...functions import SIDE as SIDE_OF
+from ...graph.differentiate import unknown
 from ...graph.graph import MINUS_ONE, Graph, Node, Op, Symbol
-from .constant_range import Constants, Tables
+from .constant_range import Constants
 
 _ONE = Fraction(1)
 _MINUS_ONE = Fraction(-1)
 SIDE = "side"  # The kind of a symbol that is the side of a switch; only used here.
 
 
-class Workspace(Tables):
-    """A private copy of the expression graph, to which nodes are added without simplification."""
+class Workspace:
+    """A private copy of the expression graph, to which nodes are added without simplification.
+    `fixed` tells whether a node depends on parameters alone."""
 
     def __init__(self, graph: Graph) -> None:
-        super().__init__(graph)
+        self.op, self.args, self.data = list(graph.op), list(graph.args), list(graph.data)
+        self.fixed = [graph.is_constant(node) for node in range(len(graph))]
         self._known = graph.tables()
         self.sides: dict[Node, Node] = {}  # call -> the side that selects its branch
         self._side_leaves: dict[Symbol, Node] = {}
@@ -88,12 +91,7 @@ class Workspace(Tables):
 
     def reachable(self, roots: Iterable[Node]) -> list[Node]:
         """Returns the roots and all nodes below them; arguments come before their users."""
-        seen: set[Node] = set()
-        found = set(roots)
-        while found:
-            seen |= found
-            found = set().union(*map(self.args.__getitem__, found)) - seen
-        return sorted(seen)
+        return unknown(self.args.__getitem__, roots, ())
 
 
 def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Node, Node]:
@@ -273,16 +271,12 @@ def power(work: Workspace, base: Node, exponent: Fraction) -> Node:
     if exponent.denominator > 2:
         return work.node(Op.CALL, (base, work.number(exponent)), "pow")
     whole = int(exponent)
-    root = work.node(Op.CALL, (base,), "sqrt") if exponent.denominator == 2 else None
-    result = root
+    root = [work.node(Op.CALL, (base,), "sqrt")] if exponent.denominator == 2 else []
+    if not whole:
+        return root[0]
     # Binary powering, which starts with the exponent's highest bit.
-    power_so_far: Node | None = None
-    for bit in bin(whole)[2:] if whole else "":
-        if power_so_far is not None:
-            power_so_far = work.multiply(power_so_far, power_so_far)
-        if bit == "1":
-            power_so_far = base if power_so_far is None else work.multiply(base, power_so_far)
-    if power_so_far is not None:
-        result = power_so_far if root is None else work.multiply(power_so_far, root)
-    assert result is not None  # None only if the exponent is 0.
-    return result
+    result = base
+    for bit in bin(whole)[3:]:
+        result = work.multiply(result, result)
+        result = work.multiply(base, result) if bit == "1" else result
+    return _chain(work.multiply, [result, *root])

@@ -119,15 +119,8 @@ def system_entries(program: Program) -> dict[str, object]:
     """Returns the members of struct pk_system that only some models set."""
     e, own = program.equations, f"{program.equations.model.name}_sys"
     rotations = sum(bool(a.numbers) for a in e.attitudes)
-    entries: dict[str, object] = {
-        name: count
-        for name, count in (
-            ("n_first_order", e.n_first_order),
-            ("n_unread", e.n_unread),
-            ("n_rotations", rotations),
-        )
-        if count
-    }
+    counts = {"n_first_order": e.n_first_order, "n_unread": e.n_unread, "n_rotations": rotations}
+    entries: dict[str, object] = {name: count for name, count in counts.items() if count}
     if program.kernel("particles") is not None:
         entries["particles.n"] = len(e.particles.masses)
     for part, rows in (("switches", e.switches), ("marks", e.marks)):
@@ -187,23 +180,20 @@ def fields(program: Program) -> list[dict[str, Any]]:
 
 
 def parameters(program: Program) -> list[dict[str, Any]]:
-    rows = []
-    for index, slot in enumerate(program.equations.parameters):
-        c_name = program.parameter_names[index]
-        bounds = program.bounds[index]
-        rows.append(
-            vars(slot.quantity)
-            | {
-                "index": index,
-                "c_name": c_name,
-                "field": parted(c_name)[0],
-                "position": slot.position,
-                "follows": int(slot.follows),
-                "lo_open": int(slot.lo_open or bounds.lo is None),
-                "hi_open": int(slot.hi_open or bounds.hi is None),
-            }
-        )
-    return rows
+    columns = program.equations.parameters, program.parameter_names, program.bounds
+    return [
+        vars(slot.quantity)
+        | {
+            "index": index,
+            "c_name": c_name,
+            "field": parted(c_name)[0],
+            "position": slot.position,
+            "follows": int(slot.follows),
+            "lo_open": int(slot.lo_open or bounds.lo is None),
+            "hi_open": int(slot.hi_open or bounds.hi is None),
+        }
+        for index, (slot, c_name, bounds) in enumerate(zip(*columns, strict=True))
+    ]
 
 
 def input_rates(inputs: Sequence[Quantity]) -> list[int]:

@@ -17,27 +17,6 @@ def Declare(type: str, name: str, value: str = "") -> str:
     return f"{text} = {value};" if value else f"{text};"
 
 
-def Assign(target: str, value: str, sign: str = "=") -> str:
-    return f"{target} {sign} {value};"
-
-
-def Call(text: str) -> str:
-    """Returns an expression statement, usually a function call."""
-    return f"{text};"
-
-
-def Return(value: str = "") -> str:
-    return f"return {value};" if value else "return;"
-
-
-def Comment(text: str) -> str:
-    return f"/* {text} */"
-
-
-def Blank() -> str:
-    return ""
-
-
 @record
 class If:
     condition: str

@@ -20,6 +20,7 @@ from ...graph.solve import solve
 from ...graph.substitute import substituted
 from ..motion import rate_of
 from ..points.squares import determinant
+from ..quantities import symbols
 
 # The largest numerator, and the denominators, of rational combinations that are tried.
 LARGEST, DENOMINATORS = 1_000, range(1, 13)
@@ -109,14 +110,14 @@ class Along:
         rates v, the applied forces Q and the dissipation D. Constraints J v + j0 = 0 with the
         multipliers lambda add the power (J v).lambda = -j0.lambda."""
         g, e = self.graph, self.equations
-        rates = [g.symbol(Symbol(Kind.RATE, i)) for i in range(len(e.applied))]
+        rates = symbols(g, Kind.RATE, len(e.applied))
         applied, c = e.applied, e.constraints
         moved = ZERO
         if c is not None:
             applied = c.free_applied
             offsets = substituted(g, c.residual, dict.fromkeys(rates, ZERO))
-            moved = g.sum(map(g.multiply, offsets, c.multipliers))
-        power = g.sum(map(g.multiply, rates, applied))
+            moved = g.dot(offsets, c.multipliers)
+        power = g.dot(rates, applied)
         slopes = self.explicit(e.lagrangian, e.quaternions)
         return g.subtract(g.subtract(power, moved), slopes)
 
@@ -156,7 +157,7 @@ class Along:
         found = solve(g, e.mass, e.force)
         if found is not None:
             return found.accelerations
-        return tuple(g.symbol(Symbol(Kind.ACCELERATION, i)) for i in range(len(e.force)))
+        return symbols(g, Kind.ACCELERATION, len(e.force))
 
 
 def rates_bound(g: Graph, equations: Equations) -> dict[Node, Node]:
@@ -164,12 +165,11 @@ def rates_bound(g: Graph, equations: Equations) -> dict[Node, Node]:
     keyed by rate. Divides by a constant entry of J if possible. Another divisor may vanish at some
     states; what is proved at all other states then holds at these states by continuity."""
     c = equations.constraints
-    count = len(equations.momenta)
-    rates = [g.symbol(Symbol(Kind.RATE, i)) for i in range(count)]
+    rates = symbols(g, Kind.RATE, len(equations.momenta))
     found: dict[Node, Node] = {}
     offsets = substituted(g, c.residual, dict.fromkeys(rates, ZERO))
     for J, offset in zip(c.rows, offsets, strict=True):
-        (row,) = substituted(g, [g.add(g.sum(map(g.multiply, J, rates)), offset)], found)
+        (row,) = substituted(g, [g.add(g.dot(J, rates), offset)], found)
         by = gradient(g, row, BIT[Kind.RATE])
         entries = sorted(by.items(), key=lambda x: (bool(g.depends[x[1]] & VARIABLE), x[0]))
         pivot, entry = next(((s, x) for s, x in entries if x != ZERO), (None, ZERO))

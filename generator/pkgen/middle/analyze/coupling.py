@@ -26,19 +26,18 @@ SWEPT = 10_000
 def mass_blocks(equations: Equations) -> Indices:
     """Returns the blocks of M: the finest partition of the coordinates such that all entries of M
     between different blocks are zero."""
-    n = len(equations.coordinates)
-    return partition(
-        n + len(equations.states),
-        ((i, j) for i in range(n) for j in range(i) if equations.mass[i][j] != ZERO),
-    )
+    count = len(equations.coordinates) + len(equations.states)
+    return partition(count, _off_diagonal(equations))
 
 
 def mass_band(equations: Equations) -> int:
     """Returns the bandwidth of M: the largest distance of a nonzero entry from the diagonal."""
-    n = len(equations.coordinates)
-    return max(
-        (i - j for i in range(n) for j in range(i) if equations.mass[i][j] != ZERO), default=0
-    )
+    return max((i - j for i, j in _off_diagonal(equations)), default=0)
+
+
+def _off_diagonal(e: Equations) -> list[tuple[int, int]]:
+    rows = enumerate(e.mass[: len(e.coordinates)])
+    return [(i, j) for i, row in rows for j in range(i) if row[j] != ZERO]
 
 
 def influences(equations: Equations, blocks: Indices) -> Indices:

@@ -77,7 +77,11 @@ def _claim(along: Along, exact: Exact, name: str, node: Node, jumping: bool) -> 
     tried = _Tried(along, name, terms)
     if tried.against is not None:
         return Claim(name, REFUTED, tried.counterexample())
-    return Claim(name, OPEN, "; ".join(x for x in (obstacle, tried.how_far()) if x))
+    return _open(name, obstacle, tried.how_far())
+
+
+def _open(name: str, *says: str) -> Claim:
+    return Claim(name, OPEN, "; ".join(filter(None, says)))
 
 
 def vanishes(g: Graph, exact: Exact, terms: list[Node]) -> str:
@@ -160,17 +164,17 @@ def _at_the_start(along: Along, name: str, terms: list[Node], obstacle: str) -> 
     known."""
     e = along.equations
     if e.model.consistent:
-        return Claim(name, OPEN, "; ".join(x for x in (obstacle, NOWHERE) if x))
+        return _open(name, obstacle, NOWHERE)
     try:
         start = started(e.graph, e.parameters, (e.start_q, e.start_v, e.state_start))
         rate, *parts = evaluate(along.graph, [along.graph.sum(terms), *terms], start)
     except KeyError:  # inputs and unsolved accelerations have no value
-        return Claim(name, OPEN, "; ".join(x for x in (obstacle, NOWHERE) if x))
+        return _open(name, obstacle, NOWHERE)
     size = sum(map(abs, parts))
     says = f"d{name}/dt = {rate:.4g}, where its terms are {size:.4g} in size, at the start"
     if abs(rate) > OFF * size:
         return Claim(name, REFUTED, says)
-    return Claim(name, OPEN, "; ".join(x for x in (obstacle, f"{NOWHERE}; {says}") if x))
+    return _open(name, obstacle, NOWHERE, says)
 
 
 class _Tried:
@@ -244,13 +248,11 @@ class _Tried:
 def check_claims(model: Model, claims: tuple[Claim, ...]) -> None:
     """Raises ModelError if any claim is not proved."""
     findings = []
+    failed = {REFUTED: "'{}' is not constant", OPEN: "that '{}' is constant is not proved"}
     for item, claim in zip(model.conserved, claims, strict=True):
-        if claim.outcome == REFUTED:
-            message = f"'{claim.name}' is not constant: {claim.says}"
-        elif claim.outcome == OPEN:
-            message = f"that '{claim.name}' is constant is not proved: {claim.says}"
-        else:
+        if claim.outcome not in failed:
             continue
+        message = f"{failed[claim.outcome].format(claim.name)}: {claim.says}"
         help = f"to watch it, say 'observe {claim.name}'; only what is proved can be conserved"
         findings.append(Diagnostic(message, item.span, help))
     if findings:

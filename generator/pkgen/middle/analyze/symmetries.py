@@ -22,8 +22,9 @@ from collections.abc import Iterator
 from functools import reduce
 
 from ...equations import Equations, Indices, Invariant, Matrix, Symmetries
+from ...graph.collect import parted
 from ...graph.exact import Exact
-from ...graph.graph import MINUS_ONE, ONE, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
+from ...graph.graph import MINUS_ONE, ONE, ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.monomials import merged
 from ...graph.normal import Monomial, Normal, Polynomial, TooMuch
 from ...graph.nullspace import Row, Vector, null_space
@@ -145,8 +146,7 @@ def _rows(g: Graph, columns: list[Polynomial]) -> list[Row]:
     rows: dict[Monomial, Row] = {}
     for k, column in enumerate(columns):
         for monomial, coefficient in column.items():
-            fixed = tuple(f for f in monomial if not g.depends[f[0]] & VARIABLE)
-            free = tuple(f for f in monomial if g.depends[f[0]] & VARIABLE)
+            fixed, free = parted(g, monomial)
             rows.setdefault(free, {}).setdefault(k, {})[fixed] = coefficient
     return [_whole(rows[monomial]) for monomial in sorted(rows)]
 

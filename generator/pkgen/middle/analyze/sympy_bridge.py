@@ -112,10 +112,8 @@ def to_sympy(
             return _rational(data)
         if op is Op.SYMBOL:
             return sp.pi if data.kind is Kind.PI else symbol(data)
-        if op is Op.ADD:
-            return sp.Add(*args)
-        if op is Op.MULTIPLY:
-            return sp.Mul(*args)
+        if op in (Op.ADD, Op.MULTIPLY):
+            return (sp.Add if op is Op.ADD else sp.Mul)(*args)
         if op is Op.POWER:
             return sp.Pow(args[0], _rational(data))
         row = FUNCTIONS[data]

@@ -64,7 +64,7 @@ def with_hamiltonian(equations: Equations, structure: Structure) -> Equations:
             smaller(model),
         )
     v = solution.accelerations
-    twice = g.sum(map(g.multiply, v, excess))
+    twice = g.dot(v, excess)
     energy = g.add(g.multiply(g.number(Fraction(1, 2)), twice), potential)
     moving = dict(zip(rates, v, strict=True))
     forces = [*map(g.negate, equations.gradient), *equations.applied]

@@ -18,10 +18,10 @@ from ...graph.rounding import sizes as errors_of
 from ...graph.substitute import substituted
 from ...indices import assignments, indexed, parted
 from ...model import Definition, Exact, Model
-from ...source import Diagnostic, ModelError
 from ...tree import Name, Number, Prime, of_member
+from ..points.samples import started
 from ..points.singularities import defaults
-from ..quantities import families, sizes
+from ..quantities import error, families, sizes
 from .derive import derive
 
 MOST = 200  # coordinates and states; of more, closed forms are not tried
@@ -68,9 +68,7 @@ def check_exact(
         return g.symbol(Symbol(kind, i))
 
     known: Values = {Symbol(Kind.TIME): 0.0, **defaults(g, e.parameters, changed)}
-    start = dict(known)
-    for kind, row in zip(_STATE, (e.start_q, e.start_v, e.state_start), strict=True):
-        start |= {Symbol(kind, i): x for i, x in enumerate(evaluate(g, row, known))}
+    start = started(g, e.parameters, (e.start_q, e.start_v, e.state_start), changed)
     times = [{**known, Symbol(Kind.TIME): (until or 1.0) * part} for part in TIMES]
     places = {q.name: (Kind.COORDINATE, i) for i, q in enumerate(e.seen)}
     places |= {s.name: (Kind.STATE, i) for i, s in enumerate(e.states)}
@@ -95,7 +93,7 @@ def check_exact(
     for item, name, terms, within in () if model.consistent else at_start:
         if found := _off(g, terms, [start], within):
             message = f"{name} starts at {found[1]:.10g}, and its closed form at {-found[2]:.10g}"
-            raise _error(model, item, message, "correct it, or start where it does")
+            raise error(model, message, item.span, "correct it, or start where it does")
     for item, name, terms in later:
         terms = substituted(g, terms, swap)
         if not any(g.depends[x] & _OPEN for x in terms) and (found := _off(g, terms, times)):
@@ -106,11 +104,7 @@ def check_exact(
             message += f" is off by {abs(sum(parts)):.4g}, where its terms are"
             message += f" {sum(map(abs, parts)):.4g} in size"
             help = f"correct it; an approximation says how good it is: exact {name} = … within …"
-            raise _error(model, item, message, help)
-
-
-def _error(model: Model, item: Exact, message: str, help: str) -> ModelError:
-    return ModelError(model.source, [Diagnostic(message, item.span, help)])
+            raise error(model, message, item.span, help)
 
 
 def _off(

@@ -68,7 +68,7 @@ def constrain(
     more = rows.redundant
     beside = tuple(_row(g, more, k, v) for k in range(len(more.residual))) if more else ()
     multipliers, solution, pivots, shares = _solved(g, motion, factored, J, gamma, beside)
-    binding = [g.sum(map(g.multiply, column, multipliers)) for column in zip(*J, strict=True)]
+    binding = [g.dot(column, multipliers) for column in zip(*J, strict=True)]
     applied, pdot, force = (
         tuple(map(g.add, row, binding)) for row in (motion.applied, motion.pdot, motion.force)
     )
@@ -99,21 +99,15 @@ def _least(g: Graph, multipliers: Row, shares: Matrix) -> Row:
     if not shares:
         return multipliers
 
-    def product(a: Row, b: Row) -> Node:
-        return g.sum(map(g.multiply, a, b))
-
-    more = solve(
-        g,
-        tuple(
-            tuple(g.add(g.number(int(i == j)), product(a, b)) for j, b in enumerate(shares))
-            for i, a in enumerate(shares)
-        ),
-        tuple(product(a, multipliers) for a in shares),
+    rows = tuple(
+        tuple(g.add(g.number(int(i == j)), g.dot(a, b)) for j, b in enumerate(shares))
+        for i, a in enumerate(shares)
     )
+    more = solve(g, rows, tuple(g.dot(a, multipliers) for a in shares))
     if more is None:
         return ()
     x = more.accelerations
-    taken = (product(column, x) for column in zip(*shares, strict=True))
+    taken = (g.dot(column, x) for column in zip(*shares, strict=True))
     return (*map(g.subtract, multipliers, taken), *x)
 
 
@@ -161,9 +155,9 @@ def _solved(
 
     count = len(J)
     S = [[ZERO] * count for _ in range(count)]
-    for i in range(count):
+    for i, column in enumerate(columns):
         for j in range(i + 1):
-            S[i][j] = S[j][i] = product(columns[i], columns[j])
+            S[i][j] = S[j][i] = product(column, columns[j])
     wanted = tuple(
         g.negate(g.add(product(column, force), own))
         for column, own in zip(columns, gamma, strict=True)
@@ -189,8 +183,7 @@ def _solved(
         share = solve(g, tuple(map(tuple, S)), tuple(product(along, x) for x in columns))
         shares.append(share.accelerations if share else ())
     z = [
-        g.add(f, g.sum(map(g.multiply, (column[i] for column in columns), multipliers)))
-        for i, f in enumerate(force)
+        g.add(f, g.dot((column[i] for column in columns), multipliers)) for i, f in enumerate(force)
     ]
     solution = Solution(factored.backward(g, z), factored.beside(motion.mass))
     return multipliers, solution, found.pivots, tuple(shares)
@@ -204,7 +197,7 @@ def _workless(g: Graph, rows: Rows, J: Matrix, v: Row) -> bool:
     if any(g.depends[node] & timeless for node in (*rows.residual, *rows.positions)):
         return False
     for row, residual in zip(J, rows.residual, strict=True):
-        rest = g.subtract(residual, g.sum(map(g.multiply, row, v)))
+        rest = g.subtract(residual, g.dot(row, v))
         if rest != ZERO and normal(rest) != {}:
             return False
     return True

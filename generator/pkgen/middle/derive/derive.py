@@ -20,7 +20,7 @@ from ...indices import of_made
 from ...model import Model, Parameter
 from ...source import Diagnostic, ModelError, Span
 from ..expand.expand import Expander
-from ..expand.names import Vector3, entered
+from ..expand.names import entered
 from ..motion import PARTICLES, RATES, Energies, Motion, Wanted, with_states
 from ..naming import naming
 from ..quantities import (
@@ -149,17 +149,11 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
 
 def _energies(x: Expander) -> Energies:
     model, g = x.model, x.graph
-    for item, index, value in x.members_of(model.definitions, scalar=False):
-        x.define(item.name, index, value)
-    totals: dict[str, Node] = {}
-    for kind in ("kinetic", "potential", "lagrangian", "dissipation", "fast"):
-        totals[kind] = ZERO
-        for expr in getattr(model, kind):
-            with x.statement(expr.span):
-                totals[kind] = g.add(totals[kind], x.scalar(expr))
-    kinetic, potential = totals["kinetic"], totals["potential"]
+    x.define_all()
+    terms = model.kinetic, model.potential, model.lagrangian, model.dissipation, model.fast
+    kinetic, potential, lagrangian, dissipation, fast = map(x.total, terms)
     with x.statement(model.span):
-        whole = g.add(g.subtract(kinetic, potential), totals["lagrangian"])
+        whole = g.add(g.subtract(kinetic, potential), lagrangian)
         if model.hamiltonian:
             whole = lagrangian_of(x, hamiltonian_of(x))
     stated = bool(model.lagrangian or model.hamiltonian)
@@ -167,8 +161,8 @@ def _energies(x: Expander) -> Energies:
         lagrangian=whole,
         kinetic=None if stated else kinetic,
         potential=None if stated else potential,
-        dissipation=totals["dissipation"],
-        fast=totals["fast"],
+        dissipation=dissipation,
+        fast=fast,
     )
 
 
@@ -287,28 +281,24 @@ def _events(x: Expander, found: Derived) -> Row:
 
 
 def _generalized_forces(x: Expander) -> list[Node]:
-    forces = [ZERO] * x.count
+    g, forces = x.graph, [ZERO] * x.count
     for item, index, value in x.members_of(x.model.forces):
         family = x.coordinates[item.name]
         if not family.has(index):
             raise error(x.model, f"no coordinate '{indexed(item.name, index)}'", item.span)
         i = family.flat(index)
         with x.statement(item.span):
-            forces[i] = x.graph.add(forces[i], value)
+            forces[i] = g.add(forces[i], value)
     for item in x.model.loads:
         with x.statement(item.span):
             for _, loop in x.unrolled(item.index, item.range):
-                _add_load(x, forces, x.value(item.value, loop), x.value(item.velocity, loop))
+                # (d velocity/dv)^T load: the generalized forces of a force at a point or a torque
+                load, velocity = x.value(item.value, loop), x.value(item.velocity, loop)
+                for component, along in zip(load, velocity, strict=True):
+                    for rate, slope in gradient(g, along, RATES).items():
+                        i = g.data[rate].index
+                        forces[i] = g.add(forces[i], g.multiply(component, slope))
     return forces
-
-
-def _add_load(x: Expander, forces: list[Node], load: Vector3, velocity: Vector3) -> None:
-    """Adds (d velocity/dv)^T load, the generalized forces of a force at a point or a torque."""
-    g = x.graph
-    for component, along in zip(load, velocity, strict=True):
-        for rate, slope in gradient(g, along, RATES).items():
-            i = g.data[rate].index
-            forces[i] = g.add(forces[i], g.multiply(component, slope))
 
 
 # -- outputs -------------------------------------------------------------------------------------

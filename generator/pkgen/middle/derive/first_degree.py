@@ -53,14 +53,9 @@ def as_states(model: Model) -> Model:
 
 
 def _is_of_first_degree(x: Expander) -> bool:
-    for item, index, value in x.members_of(x.model.definitions, scalar=False):
-        x.define(item.name, index, value)
-    g, total = x.graph, ZERO
-    for expr in x.model.lagrangian:
-        with x.statement(expr.span):
-            total = g.add(total, x.scalar(expr))
-    momenta = gradient(g, total, RATES)
-    return bool(momenta) and not any(g.depends[p] & RATES for p in momenta.values())
+    x.define_all()
+    momenta = gradient(x.graph, x.total(x.model.lagrangian), RATES)
+    return bool(momenta) and not any(x.graph.depends[p] & RATES for p in momenta.values())
 
 
 def rates_of_first_degree(x: Expander, lagrangian: Node) -> tuple[dict[int, Node], Energies]:
@@ -93,9 +88,8 @@ def rates_of_first_degree(x: Expander, lagrangian: Node) -> tuple[dict[int, Node
         help = "the equations do not determine the rates: each coordinate needs a conjugate one"
         raise error(model, message, model.lagrangian[0].span, help)
     (rest,) = substituted(g, [lagrangian], at_rest)
-    x.lagrangian = lagrangian
     rates = {k: rate for (_, _, k), rate in zip(own, found, strict=True)}
-    return rates, Energies(rest, None, None, ZERO)
+    return rates, Energies(rest, None, None, ZERO, whole=lagrangian)
 
 
 def solved(g: Graph, rows: list[list[Node]], right: list[Node]) -> Row | None:

@@ -30,7 +30,7 @@ def rates_of_states(
     by = gradient(g, energies.lagrangian, STATE)
     v = symbols(g, Kind.RATE, x.count)
     momenta = tuple(by.get(rate, ZERO) for rate in v)
-    energy = g.subtract(g.sum(map(g.multiply, v, momenta)), energies.lagrangian)
+    energy = g.subtract(g.dot(v, momenta), energies.lagrangian)
     define_built_in(x, energies, energy, momenta)
     rates = [solved.get(k, ZERO) for k in range(x.state_count)]
     places: list[Span] = [x.model.span] * x.state_count
@@ -63,7 +63,7 @@ def _energies_of(x: Expander, lagrangian: Node, momenta: tuple[Node, ...]) -> tu
     g = x.graph
     v = symbols(g, Kind.RATE, x.count)
     half = g.number(Fraction(1, 2))
-    kinetic = g.multiply(half, g.sum(map(g.multiply, v, momenta)))
+    kinetic = g.multiply(half, g.dot(v, momenta))
     potential = g.subtract(kinetic, lagrangian)
     (at_rest,) = substituted(g, [potential], dict.fromkeys(v, ZERO))
     difference = g.subtract(potential, at_rest)
@@ -76,7 +76,7 @@ def define_built_in(
     """Defines the names T, V, L, energy and those of the momenta. A name that the model defines
     itself keeps its meaning."""
     own = {item.name for item in x.model.definitions}
-    whole = energies.lagrangian if x.lagrangian is None else x.lagrangian
+    whole = energies.lagrangian if energies.whole is None else energies.whole
     built_in = {"L": whole, "energy": energy}
     known = energies.kinetic, energies.potential
     if energies.kinetic is None:

@@ -37,7 +37,7 @@ from ...indices import multiplied
 from ...model import Model
 from ...source import ModelError, Span
 from ..attitudes import slopes
-from ..quantities import error
+from ..quantities import error, symbols
 from .switches import free
 
 # Bits of `impulse`, a field of Switch. OF_ENERGY: L or a holonomic constraint row may jump.
@@ -123,12 +123,10 @@ class Across:
             if n in new:
                 continue
             args, own = [new[a] for a in g.args[n]], side * self._side(n, argument)
-            if own and g.data[n] == "step":
+            if own and g.data[n] in ("step", "floor"):  # floor jumps by 1 at each whole number
                 new[n] = ONE if own > 0 else ZERO
             elif own and g.data[n] == "sign":
                 new[n] = g.number(own)
-            elif own and g.data[n] == "floor":  # Its jump is 1 at each whole number.
-                new[n] = ONE if own > 0 else ZERO
             elif own:  # abs(0) is 0; min and max of two equal arguments are either of them
                 new[n] = args[1] if len(args) > 1 else ZERO
             else:
@@ -258,7 +256,7 @@ def _slopes(
     beside = BIT[Kind.TIME] | BIT[Kind.INPUT] | BIT[Kind.STATE]
     by = gradient(g, argument, _PLACES | beside)
     turning = slopes(g, e.attitudes, by)
-    places = (g.symbol(Symbol(Kind.COORDINATE, i)) for i in range(count))
+    places = symbols(g, Kind.COORDINATE, count)
     slope = tuple(turning.get(i, by.get(place, ZERO)) for i, place in enumerate(places))
     rate = ZERO
     for symbol, x in by.items() if any(node != ZERO for node in slope) else ():

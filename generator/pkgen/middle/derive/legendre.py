@@ -38,20 +38,16 @@ def in_pairs(model: Model) -> Model:
     pairs = tuple(map(_pair, model.coordinates))
     terms = (*pairs, *model.hamiltonian)
     signs = (*(1 for _ in pairs), *(-1 for _ in model.hamiltonian))
+    per = str if model.dimensionless else per_second
     momenta = (
-        replace(
-            c, name=made_of("p_{}", c.name), unit=c.momentum_unit, rate_unit=_rate_unit(model, c)
-        )
+        replace(c, name=made_of("p_{}", c.name), unit=u, rate_unit=per(u))
         for c in model.coordinates
+        for u in [c.momentum_unit]
     )
     whole = Add(terms, signs, span)
     return replace(
         model, coordinates=(*model.coordinates, *momenta), lagrangian=(whole,), hamiltonian=()
     )
-
-
-def _rate_unit(model: Model, c: Coordinate) -> str:
-    return "" if model.dimensionless else per_second(c.momentum_unit)
 
 
 def _pair(c: Coordinate) -> Expr:
@@ -64,8 +60,7 @@ def _pair(c: Coordinate) -> Expr:
 
 
 def _is_other(x: Expander) -> bool:
-    for item, index, value in x.members_of(x.model.definitions, scalar=False):
-        x.define(item.name, index, value)
+    x.define_all()
     momenta = gradient(x.graph, hamiltonian_of(x), MOMENTA).values()
     second = (node for p in momenta for node in gradient(x.graph, p, MOMENTA).values())
     return any(x.graph.depends[node] & MOMENTA for node in second)
@@ -102,7 +97,7 @@ def lagrangian_of(x: Expander, hamiltonian: Node) -> Node:
         help = "each momentum needs its square in H, as p_x^2/(2*m)"
         raise error(x.model, message, x.model.hamiltonian[0].span, help)
     half = g.number(Fraction(1, 2))
-    return g.subtract(g.multiply(half, g.sum(map(g.multiply, relative, found))), rest)
+    return g.subtract(g.multiply(half, g.dot(relative, found)), rest)
 
 
 def rates_at_start(x: Expander, place: Row, momenta: Row, states: Row) -> Row:

@@ -25,6 +25,7 @@ from ...functions import FUNCTIONS
 from ...graph.differentiate import reachable
 from ...graph.graph import VARIABLE, ZERO, Graph, Node, Op, Symbol
 from ...graph.wording import wording
+from ..points.squares import summands
 
 LADDER = [Fraction(1, 1000**k) for k in range(9)]
 _HIGH = 16  # the least exponent for which a power gets a mark
@@ -41,14 +42,8 @@ def _arguments(g: Graph, node: Node) -> list[Node]:
     if not (divides or (op is Op.CALL and data == "sqrt")):
         return []
     base = g.args[node][0]
-    # the constant part a of the sum a + b, and terms of the sum not visited yet
-    constant, addends = ZERO, [base]
-    while addends:
-        addend = addends.pop()
-        if g.op[addend] is Op.ADD:
-            addends.extend(g.args[addend])
-        elif not g.depends[addend] & VARIABLE:
-            constant = g.add(constant, addend)
+    # the constant part a of the sum a + b
+    constant = g.sum(x for x in summands(g, base) if not g.depends[x] & VARIABLE)
     if constant in (ZERO, base):
         return []
     u = g.divide(base, constant)

@@ -9,6 +9,7 @@ from ...equations import Attitude, Rows
 from ...graph.differentiate import gradient
 from ...graph.evaluate import evaluate
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
+from ..quantities import symbols
 
 CORRECTIONS = 50
 CLOSE = 1e-13  # tolerance of Newton's method, relative to the largest number of the start
@@ -31,7 +32,7 @@ def nearest_start(
 
     values = dict(values)
     count = 1 + max(s.index for s in values if s.kind is Kind.RATE)
-    rates = [g.symbol(Symbol(Kind.RATE, i)) for i in range(count)]
+    rates = symbols(g, Kind.RATE, count)
     turning = {i for a in attitudes for i in a.rates}
     fixed = [i in turning for i in range(count)]
 

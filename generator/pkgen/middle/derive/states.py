@@ -71,7 +71,8 @@ def _extended(e: Equations, wanted: Wanted, solved: bool) -> tuple[Equations, Mo
     in solved form, v' = a with p = v and M = 1. Returns the extended Lagrange's equations too, in
     which each state has the diagonal entry 1 in M."""
     g, n, count = e.graph, len(e.coordinates), len(e.states)
-    own, none = symbols(g, Kind.RATE, n + count)[n:], (ZERO,) * count
+    v, none = symbols(g, Kind.RATE, n + count), (ZERO,) * count
+    own = v[n:]
     swap = dict(zip(symbols(g, Kind.STATE, count), own, strict=True))
 
     def there(nodes: Iterable[Node]) -> Row:
@@ -94,7 +95,8 @@ def _extended(e: Equations, wanted: Wanted, solved: bool) -> tuple[Equations, Mo
             mass=(*wider(e.mass), *((ZERO,) * n + row for row in _unit(count))),
         )
 
-    motion = _solved(g, a) if solved else beside()
+    zeros = (ZERO,) * len(v)
+    motion = Motion(v, zeros, a, a, _unit(len(v)), a) if solved else beside()
     jacobians = jacobians_of(g, motion, False) if wanted("jacobian") else NO_JACOBIANS
     single = ("lagrangian", "energy", "written", "kinetic", "potential")
     nodes = {field: getattr(e, field) for field in single if getattr(e, field) is not None}
@@ -142,11 +144,6 @@ def _extended(e: Equations, wanted: Wanted, solved: bool) -> tuple[Equations, Mo
         n_unread=_unread(g, n, motion),
     )
     return whole, lagrange
-
-
-def _solved(g: Graph, a: Row) -> Motion:
-    n, none = len(a), (ZERO,) * len(a)
-    return Motion(symbols(g, Kind.RATE, n), none, a, a, _unit(n), a)
 
 
 def _unread(g: Graph, n: int, motion: Motion) -> int:

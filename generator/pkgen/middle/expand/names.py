@@ -10,12 +10,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from itertools import accumulate
 from typing import TypeVar
 
 from ... import limits
 from ...equations import Attitude
 from ...graph.differentiate import Forward
-from ...graph.graph import ONE, VARIABLE, Graph, Kind, Node, Symbol, TooLarge
+from ...graph.graph import ONE, VARIABLE, ZERO, Graph, Kind, Node, Symbol, TooLarge
 from ...indices import NotAnInteger, assignments, integer
 from ...model import Coordinate, End, Input, Model, Rotation
 from ...source import Span
@@ -78,13 +79,9 @@ def _held(model: Model, item: Input) -> Exception:
 def next_input(orders: tuple[int, ...], index: int) -> int:
     """Returns the flat index of the time derivative of the input (or input derivative) at
     `index`."""
-    last = -1
-    for position, order in enumerate(orders):
-        last += order + 1
-        if index == last:
-            raise NeedsDerivative(position)
-        if index < last:
-            break
+    ends = [*accumulate(order + 1 for order in orders)]
+    if index + 1 in ends:
+        raise NeedsDerivative(ends.index(index + 1))
     return index + 1
 
 
@@ -124,8 +121,6 @@ class Names(ABC):
         # statements must not use accelerations.
         self.solved: Mapping[Node, Node] | None = None
         self._ends = _ends(model, self.coordinates | self.states)
-        # The Lagrangian of first degree in the rates, if it is one (derive/first_degree.py).
-        self.lagrangian: Node | None = None
         # The nodes whose time derivatives were taken, with the places in the model's text.
         self.primes: list[tuple[Node, Span]] = []
 
@@ -199,6 +194,19 @@ class Names(ABC):
                 for index, loop in self.unrolled(item.index, item.range):
                     value = (self.scalar if scalar else self.value)(item.value, loop)
                     yield item, index, value
+
+    def define_all(self) -> None:
+        """Defines the names of the model's definitions."""
+        for item, index, value in self.members_of(self.model.definitions, scalar=False):
+            self.define(item.name, index, value)
+
+    def total(self, exprs: Iterable[Expr]) -> Node:
+        """Returns the sum of the expressions."""
+        total = ZERO
+        for expr in exprs:
+            with self.statement(expr.span):
+                total = self.graph.add(total, self.scalar(expr))
+        return total
 
     def define(self, name: str, index: int | None, value: Value) -> None:
         self.defined.setdefault(name, {})[index] = value

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from ... import limits
 from ...functions import FUNCTIONS
 from ...functions.tables import called
-from ...graph.frames import DEEP, columns, combined, cross, dot
+from ...graph.frames import DEEP, columns, combined, cross
 from ...graph.graph import ONE, ZERO, Graph, Node
 from ...graph.surfaces import protected
 from ...indices import assignments
@@ -163,7 +163,7 @@ def _call(x: Names, expr: Call, loop: Loop) -> Value:
 
 
 def _norm(g: Graph, a: Vector3) -> Node:
-    return g.call("sqrt", dot(g, a, a))
+    return g.call("sqrt", g.dot(a, a))
 
 
 def _unit(g: Graph, axis: Vector3) -> Vector3:
@@ -175,7 +175,7 @@ def _rotate(g: Graph, n: Vector3, angle: Node, a: Vector3) -> Vector3:
     """Returns a vector a, rotated about the unit vector n, by Rodrigues' formula: c a + s (n x a) +
     (1 - c) (n.a) n, with c and s the cosine and sine of the angle."""
     c, s = g.call("cos", angle), g.call("sin", angle)
-    along = g.multiply(g.subtract(ONE, c), dot(g, n, a))
+    along = g.multiply(g.subtract(ONE, c), g.dot(n, a))
     return tuple(
         g.sum((g.multiply(c, i), g.multiply(s, j), g.multiply(along, k)))
         for i, j, k in zip(a, cross(g, n, a), n, strict=True)
@@ -190,7 +190,7 @@ def _sum(x: Names, expr: Sum, loop: Loop) -> Value:
     return ZERO if result is None else result
 
 
-_VECTOR = {"dot": dot, "cross": cross, "norm": _norm}
+_VECTOR = {"dot": Graph.dot, "cross": cross, "norm": _norm}
 EXPAND: dict[type, Callable[[Names, Expr, Loop], Value]] = {
     Number: lambda x, expr, loop: x.graph.number(expr.value),
     Name: lambda x, expr, loop: x.name(expr, loop),

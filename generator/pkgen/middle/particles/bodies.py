@@ -23,11 +23,7 @@ Item = TypeVar("Item")
 
 
 class NoParticles(Exception):
-    """No particles were found. `why` is the reason."""
-
-    def __init__(self, why: str):
-        super().__init__(why)
-        self.why = why
+    """No particles were found. The text is the reason."""
 
 
 @record

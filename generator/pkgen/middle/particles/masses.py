@@ -48,8 +48,10 @@ def masses_of(g: Graph, mass: Entries, squares: list[Entries], given: Given) -> 
     chosen = _in_numbers(g, mass, squares, _states(g, draw, [mass, *squares], fixed, given))
     if chosen is None:
         return None
-    solved = _as_expressions(g, mass, [squares[alike[0]] for alike in chosen], fixed)
-    return solved and list(zip(chosen, solved, strict=True))
+    one_of_each = [squares[alike[0]] for alike in chosen]
+    rows = [row for others in (0, 1, 2) for row in _at_numbers(g, mass, one_of_each, others)]
+    rows = _independent(g, rows, fixed)
+    return list(zip(chosen, _eliminated(g, rows, fixed), strict=True)) if rows else None
 
 
 # -- numerical solution --------------------------------------------------------------------------
@@ -64,19 +66,16 @@ def _states(
 ) -> list[dict[Symbol, float]]:
     """Returns a list of STATES states, as maps from all symbols to values. Each state is nearer to
     the initial state than the state before."""
-    start = {}
-    for kind, row in ((Kind.COORDINATE, given.start_q), (Kind.STATE, given.start_states)):
-        for i, value in enumerate(evaluate(g, row, fixed)):
-            start[Symbol(kind, i)] = value if math.isfinite(value) else 0.0
-    nodes = [node for matrix in matrices for node in matrix.values()]
-    symbols = symbols_in(g, nodes, VARIABLE)
-    found = []
-    for k in range(STATES):
-        values = dict(fixed)
-        for symbol in symbols:
-            values[symbol] = _about(draw, start.get(symbol, 0.0), 4**k)
-        found.append(values)
-    return found
+    start = {
+        Symbol(kind, i): x if math.isfinite(x) else 0.0
+        for kind, row in ((Kind.COORDINATE, given.start_q), (Kind.STATE, given.start_states))
+        for i, x in enumerate(evaluate(g, row, fixed))
+    }
+    symbols = symbols_in(g, [node for matrix in matrices for node in matrix.values()], VARIABLE)
+    return [
+        fixed | {symbol: _about(draw, start.get(symbol, 0.0), 4**k) for symbol in symbols}
+        for k in range(STATES)
+    ]
 
 
 def _about(draw: random.Random, at: float, part: int) -> float:
@@ -92,25 +91,25 @@ def _in_numbers(
     import numpy as np
 
     a, b = _rows(g, mass, squares, states)
-    size = np.linalg.norm(b)
+    norm = np.linalg.norm
+    size = norm(b)
     if not size > 0:
         return None
     groups: list[list[int]] = []
     basis: list[np.ndarray] = []
     for k, column in enumerate(a.T):
-        length = np.linalg.norm(column)
-        same = [group for group in groups if _near(a[:, group[0]], column)]
-        if same:
-            same[0].append(k)
-            continue
-        if _adds(basis, column / (length or 1.0)):
+        firsts = ((group, a[:, group[0]]) for group in groups)
+        near = (g for g, x in firsts if norm(x - column) <= SAME * norm(x))
+        if same := next(near, None):
+            same.append(k)
+        elif _adds(basis, column / (norm(column) or 1.0)):
             groups.append([k])
     if not groups:
         return None
     first = a[:, [group[0] for group in groups]]
-    scale = np.linalg.norm(first, axis=0)
+    scale = norm(first, axis=0)
     found = np.linalg.lstsq(first / scale, b, rcond=None)[0]
-    if not np.linalg.norm(first @ (found / scale) - b) <= SAME * size:
+    if not norm(first @ (found / scale) - b) <= SAME * size:
         return None
     kept = [k for k in range(len(groups)) if abs(found[k]) > SAME * size]
     if any(found[k] < 0 for k in kept):
@@ -132,12 +131,6 @@ def _adds(basis: list, vector) -> bool:
     return bool(size > SAME)
 
 
-def _near(a, b) -> bool:
-    import numpy as np
-
-    return bool(np.linalg.norm(a - b) <= SAME * np.linalg.norm(a))
-
-
 def _rows(g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Symbol, float]]):
     """Returns a and b of the linear equations a m = b: one equation for each state and entry of M,
     scaled to size 1. Equations with values that are not finite are left out."""
@@ -156,15 +149,6 @@ def _rows(g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Sym
 
 
 # -- symbolic solution ---------------------------------------------------------------------------
-
-
-def _as_expressions(
-    g: Graph, mass: Entries, squares: list[Entries], fixed: dict[Symbol, float]
-) -> list[Node] | None:
-    """Returns the masses as expressions in the parameters; None if they cannot be solved for."""
-    rows = [row for others in (0, 1, 2) for row in _at_numbers(g, mass, squares, others)]
-    rows = _independent(g, rows, fixed)
-    return _eliminated(g, rows, fixed) if rows else None
 
 
 def _at_numbers(g: Graph, mass: Entries, squares: list[Entries], others: int) -> list[Row]:

@@ -65,7 +65,7 @@ def particles_of(x: Expander, energies: Energies, given: Given) -> Particles:
             refusals.append(refusal)
     if found:
         return found[0]
-    return Particles((), (), (), (), why=refusals[0].why, span=span)
+    return Particles((), (), (), (), why=str(refusals[0]), span=span)
 
 
 def _proved(x: Expander, energies: Energies, bodies: list[Body]) -> Particles:
@@ -73,7 +73,7 @@ def _proved(x: Expander, energies: Energies, bodies: list[Body]) -> Particles:
     names = tuple(body.name for body in bodies)
     if any(g.depends[body.mass] & VARIABLE for body in bodies):
         raise NoParticles("a mass that varies is of no particle")
-    again = Forward(g, VARIABLE, lambda node: _rate_of(x, node))
+    again = Forward(g, VARIABLE, lambda node: _w(g, node) or x.derivative(node))
     places: Matrix = tuple(body.place for body in bodies)
     rates: Matrix = tuple(tuple(map(x.derivative, place)) for place in places)
     accelerations: Matrix = tuple(tuple(map(again, rate)) for rate in rates)
@@ -114,16 +114,14 @@ def _along(x: Expander, node: Node) -> Node:
     accelerations serve as the components of the arbitrary vector w."""
     g = x.graph
     slopes = gradient(g, node, BIT[Kind.RATE]) if g.depends[node] & BIT[Kind.RATE] else {}
-    w = {v: g.symbol(Symbol(Kind.ACCELERATION, g.data[v].index)) for v in slopes}
-    return g.sum(g.multiply(w[v], slope) for v, slope in slopes.items())
+    return g.sum(g.multiply(_w(g, v), slope) for v, slope in slopes.items())
 
 
 def _is_zero(g: Graph, node: Node) -> bool:
     return node == ZERO or Exact(g.copy()).is_zero(node)
 
 
-def _rate_of(x: Expander, node: Node) -> Node:
-    symbol = x.graph.data[node]
-    if symbol.kind is Kind.RATE:
-        return x.graph.symbol(Symbol(Kind.ACCELERATION, symbol.index))
-    return x.derivative(node)
+def _w(g: Graph, node: Node) -> Node | None:
+    """Returns the acceleration of a rate; None of another symbol."""
+    kind, index = g.data[node]
+    return g.symbol(Symbol(Kind.ACCELERATION, index)) if kind is Kind.RATE else None

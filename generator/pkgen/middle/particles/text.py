@@ -159,25 +159,21 @@ class _Reader:
                 named = isinstance(of, Name | Component)
                 place = self.x.scalar(of, loop)
                 yield _Square(factor, place, name, known, named, bracket)
-                return
             case Name() if found := self.opened(base, loop):
                 yield from self.square(*found, factor, bracket)
-                return
             case Negate(of=of):
                 yield from self.square(of, loop, factor, bracket)
-                return
             case Call(function="norm", arguments=(of,)):
                 yield from self.vector(of, loop, factor)
-                return
             case Call(function="sqrt", arguments=(of,)):
                 yield from self.terms(of, loop, factor, self.next())
-                return
             case Multiply():
                 factor, moving = self.split(base, loop, factor, 2)
-                if len(moving) == 1:
-                    yield from self.square(moving[0], loop, factor, bracket)
-                    return
-        raise _Unread
+                if len(moving) != 1:
+                    raise _Unread
+                yield from self.square(moving[0], loop, factor, bracket)
+            case _:
+                raise _Unread
 
     def vector(self, expr: Expr, loop: Loop, factor: Node) -> Iterator[_Square]:
         """Writes factor * |expr|^2, for a vector `expr`, as a sum of squares of rates with factors,
@@ -230,39 +226,30 @@ def _together(x: Expander, squares: list[_Square], polar: bool) -> list[Body]:
         if k not in used:
             by_bracket.setdefault(square.bracket, []).append(square)
     for group in by_bracket.values():
-        body = _unnamed(x, group) or (polar and _polar(x, group))
-        if not body:
+        unnamed = len({s.factor for s in group}) == 1 and not any(s.named for s in group)
+        place = (*(square.place for square in group), ZERO)[:3] if unnamed else None
+        place = place or (polar and _polar(x, group))
+        if not place or not 2 <= len(group) <= 3:
             raise _Unread
-        found.append(body)
+        names = ", ".join(square.name for square in group)
+        found.append(_body(x, group[0].factor, place, f"({names})"))
     return found
 
 
-def _unnamed(x: Expander, group: list[_Square]) -> Body | None:
-    same = {square.factor for square in group}
-    if len(same) > 1 or not 2 <= len(group) <= 3 or any(s.named for s in group):
-        return None
-    places_ = tuple(square.place for square in group)
-    names = ", ".join(square.name for square in group)
-    return _body(x, group[0].factor, (*places_, ZERO)[:3], f"({names})")
-
-
-def _polar(x: Expander, group: list[_Square]) -> Body | None:
-    """Returns the particle of m/2*(r'^2 + r^2*phi'^2), or of m/2*(r'^2 + r^2*theta'^2 +
-    r^2*sin(theta)^2*phi'^2); None for other squares."""
+def _polar(x: Expander, group: list[_Square]) -> tuple[Node, ...] | None:
+    """Returns the place of the particle of m/2*(r'^2 + r^2*phi'^2), or of m/2*(r'^2 + r^2*theta'^2
+    + r^2*sin(theta)^2*phi'^2); None for other squares."""
     g = x.graph
     if not 2 <= len(group) <= 3:
         return None
     radius, angle = group[0].place, group[1].place
-    half_mass = group[0].factor
-    if group[1].factor != g.multiply(half_mass, g.power(radius, 2)):
+    if group[1].factor != g.multiply(group[0].factor, g.power(radius, 2)):
         return None
     sin, cos = g.call("sin", angle), g.call("cos", angle)
-    name = f"({', '.join(square.name for square in group)})"
     if len(group) == 2:
-        place = (g.multiply(radius, cos), g.multiply(radius, sin), ZERO)
-        return _body(x, half_mass, place, name)
+        return g.multiply(radius, cos), g.multiply(radius, sin), ZERO
     across, turn = g.multiply(radius, sin), group[2].place
     if group[2].factor != g.multiply(group[1].factor, g.power(sin, 2)):
         return None
     flat = (g.multiply(across, g.call(f, turn)) for f in ("cos", "sin"))
-    return _body(x, half_mass, (*flat, g.multiply(radius, cos)), name)
+    return (*flat, g.multiply(radius, cos))

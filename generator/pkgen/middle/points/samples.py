@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 
 from ...equations import Equations, ParameterSlot, Row
@@ -58,7 +58,7 @@ def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> 
         for i, s in enumerate(symbols):
             at = _short(start.get(s, 0.0)) * Fraction(draw.randint(12, 20), 16)
             at = (at, Fraction(0), numbers[(turn + i) % len(numbers)])[how]
-            apart = _apart(draw) / (16, 8, 16)[how]
+            apart = Fraction(draw.choice((-1, 1)) * draw.randint(1, 16), (16, 8, 16)[how])
             chosen[s] = at + apart or apart  # avoids 0, where terms may vanish by chance
         varied = {}
         if k >= tried // 2:
@@ -75,16 +75,15 @@ def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> 
             yield Sample(values | more, chosen, bool(varied))
 
 
-def _apart(draw: random.Random) -> Fraction:
-    return draw.choice((-1, 1)) * Fraction(draw.randint(1, 16))
-
-
 def started(
-    g: Graph, parameters: tuple[ParameterSlot, ...], starts: tuple[Row, Row, Row]
+    g: Graph,
+    parameters: tuple[ParameterSlot, ...],
+    starts: tuple[Row, Row, Row],
+    change: Callable[[int, float], float] = lambda _, value: value,
 ) -> dict[Symbol, float]:
     """Returns the values of all symbols at the start: the initial values `starts` of coordinates,
-    rates and states, the default values of parameters, and t = 0."""
-    values = defaults(g, parameters)
+    rates and states, the default values of parameters with `change`, and t = 0."""
+    values = defaults(g, parameters, change)
     kinds = (Kind.COORDINATE, Kind.RATE, Kind.STATE)
     found = {
         Symbol(kind, i): x

@@ -7,12 +7,12 @@ links before."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 from ...equations import ParameterSlot
 from ...functions.interval import INF, Range
-from ...graph.differentiate import reachable
-from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Op
+from ...graph.differentiate import Forward, reachable
+from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.normal import Normal, squares_merged
 from ...graph.ranges import Ranges
 
@@ -48,7 +48,7 @@ def definite_by_squares(
             if not 0 < rest.bit_count() <= SEVERAL:
                 continue
             left = [i for i in range(rest.bit_length()) if rest >> i & 1]
-            if positive(determinant(g, _hessian(g, node, left, rates))):
+            if positive(determinant(g, _hessian(g, node, left))):
                 found |= rest
                 waiting = True
     return found == (1 << count) - 1
@@ -96,55 +96,11 @@ def _degrees_and_rates(g: Graph, output: Node) -> tuple[dict[Node, float], dict[
     return degree, rates
 
 
-def _hessian(g: Graph, term: Node, rates: list[int], of: dict[Node, int]) -> Matrix:
-    """Returns the matrix of second derivatives of a term by the given rates. `of` has the rates in
-    each node, as a bit mask."""
-    mask = sum(1 << i for i in rates)
-    some = range(len(rates))
-    zero = [ZERO] * len(rates), [[ZERO] * len(rates) for _ in rates]
-    known: dict[Node, tuple[list[Node], Matrix]] = {}
-    for node in _below(g, term, lambda a: of.get(a, 0) & mask):
-        args = g.args[node] * 2 if g.op[node] is Op.POWER else g.args[node]
-        (da, dda), (db, ddb) = (known.get(a, zero) for a in args or (node, node))
-        if g.op[node] is Op.SYMBOL:
-            one = [ONE if g.data[node].index == i else ZERO for i in rates]
-            known[node] = one, zero[1]
-        elif g.op[node] is Op.ADD:
-            sums = [[g.add(dda[i][j], ddb[i][j]) for j in some] for i in some]
-            known[node] = [g.add(da[i], db[i]) for i in some], sums
-        else:
-            a, b = args
-            slope = [g.add(g.multiply(da[i], b), g.multiply(a, db[i])) for i in some]
-            known[node] = (
-                slope,
-                [
-                    [
-                        g.sum(
-                            g.multiply(x, y)
-                            for x, y in (
-                                (dda[i][j], b),
-                                (da[i], db[j]),
-                                (da[j], db[i]),
-                                (a, ddb[i][j]),
-                            )
-                        )
-                        for j in some
-                    ]
-                    for i in some
-                ],
-            )
-    return known[term][1]
-
-
-def _below(g: Graph, node: Node, wanted: Callable[[Node], int]) -> list[Node]:
-    """Returns the node and all nodes below it for which `wanted` is true, each after its
-    arguments."""
-    found, stack = {node}, [node]
-    while stack:
-        new = {a for a in g.args[stack.pop()] if wanted(a)} - found
-        found |= new
-        stack += new
-    return sorted(found)
+def _hessian(g: Graph, term: Node, rates: list[int]) -> Matrix:
+    """Returns the matrix of second derivatives of a term by the given rates."""
+    by = [g.symbol(Symbol(Kind.RATE, i)) for i in rates]
+    along = [Forward(g, RATES, lambda n, own=v: ONE if n == own else ZERO) for v in by]
+    return [[second(first(term)) for second in along] for first in along]
 
 
 def bounds_of(g: Graph, slot: ParameterSlot) -> Range:

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from ...equations import Equations
 from ...graph.differentiate import symbols_in
 from ...graph.solve import looped
@@ -48,7 +46,7 @@ def cyclic(state: State, needs: Needs) -> State:
         lines.append(ReportLine(f"{e.coordinates[chosen[0]].name} kept", "one must move"))
         angles = [i for i in angles if i != chosen[0]]
         chosen = chosen[1:]
-    state = replace(state, report=replace(state.report, lines=(*state.report.lines, *lines)))
+    state = state.noting(*lines)
     if not chosen:
         return state
     try:
@@ -75,8 +73,7 @@ def _states(e: Equations) -> int:
 
 def _not(state: State, e: Equations, which: list[int], why: str) -> State:
     names = ", ".join(e.coordinates[i].name for i in which)
-    lines = (*state.report.lines, ReportLine(f"{names} kept", why))
-    return replace(state, report=replace(state.report, lines=lines))
+    return state.noting(ReportLine(f"{names} kept", why))
 
 
 def _recorded(state: State, needs: Needs, chosen: list[int], angles: list[int]) -> State:

@@ -170,7 +170,7 @@ def _wanted(e: Equations, needs: Needs) -> set[int]:
     """Returns the indices of coordinates and states that are recorded themselves, or that occur in
     an output or an event."""
     n, nodes = len(e.coordinates), [*e.observed, *e.conserved, *e.events, *e.sampled]
-    names = {**_named(e.coordinates), **_named(e.rates)}
+    names = {q.name: i for row in (e.coordinates, e.rates) for i, q in enumerate(row)}
     names |= {q.name: n + i for i, q in enumerate(e.states)}
     found = {names[column] for column in needs.columns if column in names}
     if "energy" in needs.columns:
@@ -197,10 +197,6 @@ def _bodies(e: Equations, kept: set[int]) -> set[int]:
 def _moving(e: Equations) -> int:
     """Returns the number of coordinates and states together."""
     return len(e.coordinates) + len(e.states)
-
-
-def _named(quantities: tuple) -> dict[str, int]:
-    return {q.name: i for i, q in enumerate(quantities)}
 
 
 Reduction = Callable[[State, Needs], State]

@@ -50,13 +50,17 @@ class State:
     report: Report = Report()
     parts: tuple[Subsystem, ...] = ()
 
+    def noting(self, *lines: ReportLine) -> State:
+        """Returns the State with further lines in the report."""
+        return replace(self, report=replace(self.report, lines=(*self.report.lines, *lines)))
+
     def after(self, equations: Equations, *lines: ReportLine, **more: object) -> State:
         """Returns a State with the given equations, and with further lines in the report. The
         motion is derived again if coordinates or states were removed."""
         before = self.equations
         if (equations.coordinates, equations.states) != (before.coordinates, before.states):
             equations = derived_again(equations, ENOUGH)
-        report = replace(self.report, lines=(*self.report.lines, *lines), **more)
+        report = replace(self.noting(*lines).report, **more)
         return State(equations, analyze(equations), report)
 
 
