@@ -31,7 +31,7 @@ SPECIAL = ROTATIONS | {"sum", "drift", "time", "power", "error", "if", "integral
 def callable_names() -> frozenset[str]:
     """Returns the names of the functions that a model may call, without those in SPECIAL, which
     have checks of their own."""
-    rows = (name for name, row in FUNCTIONS.items() if not row.internal)
+    rows = (name for name, row in [*FUNCTIONS.items()] if not row.internal)
     return frozenset(rows) | VECTOR_FUNCTIONS.keys() | WRITTEN_OUT.keys()
 
 
