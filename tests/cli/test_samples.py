@@ -76,6 +76,24 @@ def test_events_jump_with_what_is_held(modes: Path) -> None:
     assert r.t[-1] == pytest.approx(r.events["far"][0]) and u[-1] > 0.45 > u[-2]
 
 
+def test_a_condition_of_memory_begins_at_its_sample(tmp_path: Path) -> None:
+    """Of whole numbers k >= 3 and k > 3 begin at two samples."""
+    path = tmp_path / "counts.lag"
+    path.write_text(
+        "model counts\ncoord x\nkinetic x'^2/2\nstart x' = 1\n"
+        "sample c every 0.5\nmemory k = 0\nset k = k + 1\nend\n"
+        "event three: k >= 3\nevent more: k > 3\nevent neither: not (k < 3)\n"
+        "event both: k >= 3 and x > 1.1\n"
+        "event whole: floor(x) >= 1\nevent whole_more: floor(3 - x) < 2\n"
+    )
+    report = json.loads(ran("run", path, "--until", 3, "--json").stdout)["report"]
+    met = {e["name"]: e["times"] for e in report["events"]}
+    wanted = {"three": 1, "more": 1.5, "neither": 1, "both": 1.1, "whole": 1}
+    assert met == {n: [pytest.approx(t, rel=1e-12)] for n, t in wanted.items()} | {
+        "whole_more": [pytest.approx(1, rel=1e-12)]
+    }
+
+
 def test_members_are_single_runs(tmp_path: Path) -> None:
     m = pkgen.load(ARM)
     given = {"T": [0.01, 0.013, 0.02], "a": [0.1, -0.3, 0.4], "p1": [150, 80, 160]}

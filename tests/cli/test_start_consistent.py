@@ -183,6 +183,16 @@ def test_a_run_says_and_records_it(tmp_path: Path) -> None:
     assert "start: x = " in r.messages and abs(r["x"][-1] ** 2 + r["y"][-1] ** 2 - 9) < 1e-13
 
 
+def test_states_are_said_too(tmp_path: Path) -> None:
+    """A state and an integral have a start, behind the rates."""
+    path = tmp_path / "rod.lag"
+    more = "state s\nrate s = x\nobserve turned = integral(x*y' - y*x')\nstart s = 3\n"
+    path.write_text(ROD + more + GIVEN + "start consistent\n")
+    assert "s = 3, turned = 0\n" in ran("run", path, "--until", 1).stderr
+    start = pkgen.load(path).run(1).report["start"]
+    assert [*start] == ["x", "y", "x'", "y'", "s", "turned"]
+
+
 def test_of_a_scene_and_without(tmp_path: Path) -> None:
     """A scene asks for it; without it the error names it, and a start that holds stays."""
     path = tmp_path / "rod.lag"

@@ -49,6 +49,42 @@ def test_an_event_at_a_switch_is_met_once(pkgen, write) -> None:
     assert report["events"][0]["count"] == 0
 
 
+JUMPS = """model jumps
+coord x, y
+kinetic x'^2/2 + y'^2/2
+force x = -2*step(x - 1)
+force y = floor(-2*x)
+start x = 0.2, x' = 1
+event brakes: x'' < -1
+event again: x'' + 1 rising
+event far: if(x > 1, x, 0) > 0.5
+event third: floor(-2*x) < -2.5
+event through: x > 1
+event late: x'' < -1 and x > 1.1
+"""
+
+
+@pytest.mark.parametrize("method", [("gauss",), ("dop853",), ("rk4", "--step", "0.07")])
+def test_what_jumps_across_zero_at_a_switch_is_met_there(write, method: tuple[str, ...]) -> None:
+    """An event function with the same step as a force crosses zero where this step jumps."""
+    path = write(JUMPS)
+    report = json.loads(ran("run", path, "--until", 3, "--json", "--method", *method).stdout)
+    met = {e["name"]: e["times"] for e in report["report"]["events"]}
+    # x = 1 + s - s^2, with s the time since 0.8
+    wanted = {
+        "brakes": [0.8],
+        "again": [1.8],
+        "far": [0.8],
+        "third": [0.8],
+        "through": [0.8],
+        "late": [0.8 + (1 - math.sqrt(0.6)) / 2],
+    }
+    assert met == {name: pytest.approx(times, rel=1e-12) for name, times in wanted.items()}
+    done = ran("run", write(JUMPS.replace("-1\n", "-1 stop\n", 1)), "--until", 3, "--json")
+    report = json.loads(done.stdout)
+    assert report["rows"][-1][0] == pytest.approx(0.8) and "brakes" in done.stderr
+
+
 def test_steps_end_where_what_has_no_value_beyond_begins(pkgen, tmp_path: Path) -> None:
     """Hertz's contact, max(0, -x)^1.5, held on one side would be a root of what is negative."""
     path = written(

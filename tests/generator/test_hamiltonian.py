@@ -93,3 +93,20 @@ def test_momenta_start_where_they_are_told(seed: int) -> None:
     ]
     values |= {Symbol(Kind.TIME): 0.0}
     assert evaluate(e.graph, e.momenta, values | given) == pytest.approx(wanted, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "kinked, slope",
+    [
+        ("abs(p_x)/3", (-1 / 3, 1 / 3)),
+        ("max(p_x - 0.1, 0)", (0, 1)),
+        ("if(p_x > 0.1, 0.3*(p_x - 0.1), 0)", (0, 0.3)),
+    ],
+)
+def test_a_kink_in_a_momentum_is_of_no_degree(kinked: str, slope: tuple[float, float]) -> None:
+    """Its second derivative is 0, and it is no part of a quadratic H."""
+    text = f"model m\ncoord x\nhamiltonian p_x^2/2 + x^2/2 + {kinked}\nstart x = 1\n"
+    e = derive(as_states(in_pairs(check_text(Source("m.lag", text))[0])))
+    for p, by in ((-0.8, slope[0]), (0.8, slope[1])):
+        values = {Symbol(Kind.STATE, 0): 0.5, Symbol(Kind.STATE, 1): p}
+        assert evaluate(e.graph, e.state_rates, values) == pytest.approx([p + by, -0.5])

@@ -125,7 +125,7 @@ def outcome(
     if compilation.model.consistent and done.report:
         e, given = compilation.equations, done.given()
         values = [*given["q"][: e.own], *given["v"]]
-        names = (x.name for x in (*e.coordinates[: e.own], *e.rates))
+        names = (x.name for x in (*e.coordinates[: e.own], *e.rates, *e.states))
         done.report["start"] = start = dict(zip(names, values, strict=True))
         messages = (
             f"run: start: {', '.join(f'{k} = {x:.12g}' for k, x in start.items())}\n{messages}"

@@ -59,6 +59,43 @@ static void hold(struct pk_events *e)
     }
 }
 
+/* Returns whether there is an impulse at one of the listed switches that cross up to `last`. */
+static int has_impulse(const struct pk_events *e, const struct pk_integrator *it, pk_real last)
+{
+    int found = 0;
+    for (size_t i = 0; i < e->listed && e->list[PK_EVENT_ENTRY * i] <= last; i++) {
+        const size_t k = (size_t)e->list[PK_EVENT_ENTRY * i + 1];
+        found |= k >= e->n_events && pk_switches_impulse(it, k - e->n_events);
+    }
+    return found;
+}
+
+/* Reports the events whose functions jump across zero as switches move to their new sides: within
+ * the step these functions are those of the old sides, and in the next one those of the new. A
+ * change that is rounding is no jump. Returns the index of the last one that stops, plus 1. */
+static size_t leap(struct pk_events *e, const struct pk_integrator *it)
+{
+    const pk_real *before = pk_events_sample(e, PK_MOST_SAMPLES + 1);
+    const pk_real *begin = pk_events_end(e, 0), *end = pk_events_end(e, 1);
+    pk_real *after = pk_events_sample(e, 0);
+    size_t stopped = 0;
+    pk_events_functions(e, it, e->t, e->q, e->v, after);
+    for (size_t k = 0; k < e->n_events; k++) {
+        const pk_real rounding = PK_F(sqrt)(PK_EPS) * pk_max(pk_abs(begin[k]), pk_abs(end[k]));
+        const int rises = before[k] < 0 && after[k] >= 0, falls = before[k] > 0 && after[k] <= 0;
+        const int wanted = it->problem.system->events.table[k].direction;
+        const int direction = (rises - falls) * it->own->direction;
+        if (direction == 0 || wanted * direction < 0 || !(pk_abs(after[k] - before[k]) > rounding))
+            continue;
+        e->which = k;
+        e->direction = direction;
+        e->count++;
+        if ((e->found && e->found(e->context, e)) || it->problem.system->events.table[k].stop)
+            stopped = k + 1;
+    }
+    return stopped;
+}
+
 /* Stops where constraint rows are linearly dependent: no integrator can start there. */
 static void stay(const struct pk_events *e, struct pk_integrator *it)
 {
@@ -91,8 +128,11 @@ enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
         return it->status = PK_DONE;
     e->cut = 1;
     hold(e);
-    if (passed)
+    if (passed) {
         PK_TRY(pk_switches_pass(e, it, last, attempted));
+        const size_t at_jump = has_impulse(e, it, last) ? 0 : leap(e, it);
+        stopped = stopped ? stopped : at_jump;
+    }
     if (!passed && pk_constraint_singular(it, e->t, e->q, e->v))
         stay(e, it);
     else if (passed || e->t < it->t || e->t > it->t)

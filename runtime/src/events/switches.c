@@ -132,6 +132,16 @@ int pk_switches_turn(struct pk_events *e, struct pk_integrator *it)
     return 1;
 }
 
+/* Returns the side of the piece into which counted switch k goes at e->t. */
+static pk_real next_piece(const struct pk_events *e, const struct pk_integrator *it, size_t k)
+{
+    pk_real *x = pk_events_sample(e, 1);
+    pk_switches_values(e, it, e->t, e->q, e->v, x);
+    const pk_real n = PK_F(floor)(x[k]), side = 2 * n + 1;
+    const int stays = !(side < e->sides[k]) && !(side > e->sides[k]);
+    return stays && !(x[k] > n) ? side - 2 : side; /* it falls if it is just at the lower end */
+}
+
 enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, pk_real last,
                                 pk_real attempted)
 {
@@ -146,8 +156,8 @@ enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, p
         const pk_real side = entry[2] * pk_direction(it);
         if (pk_switches_impulse(it, which) && hits < MOST_AT_ONCE)
             hit[hits] = which, to[hits++] = side;
-        else if (!pk_switches_impulse(it, which) && !pk_switches_counted(it, which))
-            e->sides[which] = side; /* pk_switches_settle() finds the next piece */
+        else if (!pk_switches_impulse(it, which))
+            e->sides[which] = pk_switches_counted(it, which) ? next_piece(e, it, which) : side;
     }
     const int brief = took <= SHORT * attempted ||
                       took <= 64 * PK_EPS * pk_max(pk_abs(e->from), pk_abs(e->t));

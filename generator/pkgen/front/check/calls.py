@@ -175,8 +175,7 @@ class Calls(RotationCalls):
             raise Wrong("if takes a condition and two values", "e.g. if(x > 0, k*x, 0)")
         condition, *values = expr.arguments
         self._whole(condition, scope)
-        cells = {n for n, e in self.names.table.items() if e.kind == "memory cell"}
-        parts = [self.check(x, scope) for x in (truth(condition, cells), *values)]
+        parts = [self.check(x, scope) for x in (truth(condition, self.cells), *values)]
         facts = [f for _, f in parts]
         for value, part in zip(values, facts[1:], strict=True):
             if part.vector:
@@ -186,6 +185,11 @@ class Calls(RotationCalls):
             result.rough = "if"
         result.value = self.constant(expr, facts, lambda x: values_of.called("select", x))
         return Call("select", tuple(e for e, _ in parts), expr.span), result
+
+    @property
+    def cells(self) -> set[str]:
+        """The names of memory cells."""
+        return {n for n, e in self.names.table.items() if e.kind == "memory cell"}
 
     def _whole(self, condition: Expr, scope: Scope) -> None:
         """Checks that == stands between indices, sizes, constants and memory cells."""

@@ -16,6 +16,7 @@ from .checking import Checked
 from .names import Wrong, joined
 from .written import written
 
+WHOLE = ("ceil", "floor", "round", "sign", "step")  # functions whose values are whole numbers
 _TRUTH = {
     "<": "1 - step(a - b)",
     ">": "1 - step(b - a)",
@@ -42,21 +43,27 @@ def truth(expr: Expr, cells: Collection[str] = ()) -> Expr:
     return written("step(a - b)*step(b - a)" if of_cells else _TRUTH[operator], at, *expr.parts)
 
 
-def positive(expr: Expr, check: Callable[[Expr], Checked]) -> Checked:
+def positive(expr: Expr, check: Callable[[Expr], Checked], cells: Collection[str] = ()) -> Checked:
     """Returns a continuous function that is positive where the condition holds, and its facts.
-    `check` checks each comparison by itself, so that comparisons may differ in unit."""
+    `check` checks each comparison by itself, so that comparisons may differ in unit. Where a
+    comparison stays equal for a while, as one of memory cells or of floor, its function jumps from
+    -1/2 to 1/2, for a difference of 0 would not tell < from <=."""
     _check(expr)
     at, operator = expr.span, expr.operator
     if operator == "==":
         raise Wrong("an event needs < or >: a quantity equals a value for an instant only", "", at)
     if operator in ("and", "or", "not"):
-        parts = [positive(part, check) for part in expr.parts]
+        parts = [positive(part, check, cells) for part in expr.parts]
         facts = joined(NONE, False, [f for _, f in parts])
         function = "min" if operator == "and" else "max"
         found = reduce(lambda a, b: Call(function, (a, b), at), (e for e, _ in parts))
         return Negate(found, at) if operator == "not" else found, facts
     a, b = reversed(expr.parts) if operator in ("<", "<=") else expr.parts
-    return check(Add((a, b), (1, -1), at))
+    difference, facts = check(Add((a, b), (1, -1), at))
+    held = facts.inputs and facts.inputs.keys() <= {*cells} and not (facts.time or facts.states)
+    if facts.rough in WHOLE or (held and not (facts.coordinates or facts.rates)):
+        return check(written("a - 0.5", at, truth(expr)))
+    return difference, facts
 
 
 def _check(expr: Expr) -> None:

@@ -63,7 +63,7 @@ class Expressions(Operators, Calls, Quantities):
     def positive(self, expr: Condition, scope: Scope) -> Checked:
         """Checks a condition; returns a function that is positive where it holds."""
         try:
-            return positive(expr, lambda part: self.check(part, scope))
+            return positive(expr, lambda part: self.check(part, scope), self.cells)
         except Wrong as wrong:
             self.error(wrong.message, wrong.at or expr, wrong.help)
             return expr, UNKNOWN

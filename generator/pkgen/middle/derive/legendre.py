@@ -12,9 +12,10 @@ from dataclasses import replace
 from fractions import Fraction
 
 from ...equations import Row
-from ...graph.differentiate import gradient
+from ...graph.differentiate import gradient, reachable
 from ...graph.graph import BIT, ZERO, Kind, Node, Symbol
 from ...graph.substitute import substituted
+from ...graph.surfaces import argument_of
 from ...indices import made_of
 from ...model import Coordinate, Model
 from ...tree import Add, Expr, Multiply, Name, Prime, Sum
@@ -61,9 +62,12 @@ def _pair(c: Coordinate) -> Expr:
 
 def _is_other(x: Expander) -> bool:
     x.define_all()
-    momenta = gradient(x.graph, hamiltonian_of(x), MOMENTA).values()
-    second = (node for p in momenta for node in gradient(x.graph, p, MOMENTA).values())
-    return any(x.graph.depends[node] & MOMENTA for node in second)
+    g, whole = x.graph, hamiltonian_of(x)
+    if any(g.depends[argument_of(g, node)] & MOMENTA for node in reachable(g, [whole])):
+        return True  # abs(p) is of no degree, though its second derivative is 0
+    momenta = gradient(g, whole, MOMENTA).values()
+    second = (node for p in momenta for node in gradient(g, p, MOMENTA).values())
+    return any(g.depends[node] & MOMENTA for node in second)
 
 
 def hamiltonian_of(x: Expander) -> Node:
