@@ -5,6 +5,7 @@ import random
 import pytest
 import sympy as sp
 
+import pkgen
 from conftest import seeds
 from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
@@ -110,3 +111,16 @@ def test_a_kink_in_a_momentum_is_of_no_degree(kinked: str, slope: tuple[float, f
     for p, by in ((-0.8, slope[0]), (0.8, slope[1])):
         values = {Symbol(Kind.STATE, 0): 0.5, Symbol(Kind.STATE, 1): p}
         assert evaluate(e.graph, e.state_rates, values) == pytest.approx([p + by, -0.5])
+
+
+def test_a_place_that_would_change_the_rates_is_set_by_a_scene(tmp_path) -> None:
+    path = tmp_path / "m.lag"
+    path.write_text(
+        "model m\ncoord x\nhamiltonian p_x^2*(1 + x^2)/2\nstart x = 1, p_x = 1\n"
+        "scene far\n  start x = 2\n  until 1\nend\n"
+    )
+    m = pkgen.load(path)
+    for wrong in (lambda: m.run(1, start={"x": 2}), lambda: m.ensemble({"x": [1, 2]}, until=1)):
+        with pytest.raises(pkgen.UsageError, match="rates follow from momenta"):
+            wrong()
+    assert pkgen.load(path, "far").run()["x'"][0] == 5

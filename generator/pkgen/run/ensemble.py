@@ -82,17 +82,19 @@ class Settable(Mapping[str, Column]):
             "q": named.coordinates(compilation),
             "v": named.coordinates(compilation, rates=True),
         }
-        self._looped, self._model = compilation.looped, compilation.model
+        self._of = compilation
         starts = compilation.report.starts  # initial values that are parameters in C
         self._starts = {name + "'" * order: x for (name, order), x in starts.items()}
 
     def __getitem__(self, name: str) -> Column:
         of = self._starts.get(name, name)
         for kind, known in self._kinds.items():
-            if of in known and not (kind == "input" and block_of(self._model, of)):
+            if of in known and not (kind == "input" and block_of(self._of.model, of)):
                 flat, quantity = known[of]
+                if kind == "q":
+                    named.refuse_place(self._of, name)
                 member = 0
-                if kind == "param" and self._looped:
+                if kind == "param" and self._of.looped:
                     flat, member = known.place(flat)
                 return Column(name, kind, flat, quantity.unit, member)
         raise KeyError(name)

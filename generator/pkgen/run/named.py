@@ -8,11 +8,13 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from ..compiler import Compilation
 from ..equations import Quantity
+from ..graph.graph import BIT, Kind
 from ..indices import hidden, indexed, parted
 from ..middle.loops.indices import size_values
 from ..middle.quantities import families, single_rotations
 from ..model import Model, State
 from ..record import record
+from ..system.exits import UsageError
 from .settings import Shown
 
 LISTED = 10_000  # largest family whose members are described singly
@@ -121,6 +123,19 @@ def states(compilation: Compilation) -> frozenset[str]:
     if compilation.looped:
         return frozenset(state.name for state in compilation.model.states)
     return frozenset(q.name for q in compilation.equations.states)
+
+
+def refuse_place(compilation: Compilation, left: str) -> None:
+    """Raises UsageError if rates at the start follow from momenta and positions, since a start of a
+    position alone would leave the rates as they are."""
+    e = None if compilation.looped else compilation.equations
+    if (
+        e
+        and e.model.hamiltonian
+        and any(e.graph.depends[p] & BIT[Kind.COORDINATE] for p in e.momenta)
+    ):
+        why = "at the start rates follow from momenta and positions"
+        raise UsageError(f"{left}: {why}: set it by 'start {left} = …' in a scene of its own")
 
 
 def places(compilation: Compilation) -> dict[str, tuple[int, tuple[int, ...]]]:

@@ -146,6 +146,8 @@ class Values(Numbers):
             elif name in self.coordinates or name in self.rates:  # states are in `rates`
                 order = side.order or int(name not in self.coordinates)
                 among = self.rates if order else self.coordinates
+                if not order:
+                    named.refuse_place(self.compilation, name)
                 index, quantity = among[name + "'" * side.order]
                 found[order][index] = self.value("--start", value, quantity.unit, left)
             elif name in (numbers := self._numbers_of_rotations()):
