@@ -131,6 +131,8 @@ def test_a_function_in_place_of_a_block() -> None:
     [
         ({"controllers": {"pdi": pid}}, "did you mean 'pid'"),
         ({"controllers": {"pid": lambda t, q, v, u: {"a": 1}}}, "it has: u1, u2, s1, s2"),
+        ({"controllers": {"pid": lambda t, q, v, u: None}}, "returned None: it returns numbers"),
+        ({"controllers": {"pid": lambda t, q, v, u: {"u1": "a"}}}, "e.g. {'u': 0.5}"),
         ({"controllers": 3}, "a dictionary of functions by name"),
         ({"inputs": {"u1": 2}}, "the sample block 'pid' sets it"),
         ({"inputs": {"u1": lambda t, q, v: 1}}, "is no input beside a sample block"),

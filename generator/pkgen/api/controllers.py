@@ -46,13 +46,13 @@ class Controllers:
                 return 0
             try:
                 u = {name: float(values[own.get(name, [place[name]])[-1]]) for name in shown}
-                new = dict(call(t, seen[:n].copy(), seen[n:].copy(), u))
+                new = _numbers(blocks[k], call(t, seen[:n].copy(), seen[n:].copy(), u))
                 for name in new.keys() - own.keys():
                     what = near(name, list(own), "input of it")
                     raise UsageError(f"controllers[{blocks[k]!r}]: {name!r}: {what}")
                 for name, row in own.items():
                     values[row[:-1]] = values[row[1:]]
-                    values[row[-1]] = float(new.get(name, u[name]))
+                    values[row[-1]] = new.get(name, u[name])
             except BaseException as error:  # no exception may pass through C
                 errors.append(error)
             return -1 if errors else 1
@@ -63,6 +63,14 @@ class Controllers:
             "seen": seen.ctypes.data_as(pointer),
             "computed": values.ctypes.data_as(pointer),
         }
+
+
+def _numbers(block: str, given: Any) -> dict[str, float]:
+    try:
+        return {name: float(value) for name, value in dict(given).items()}
+    except (TypeError, ValueError):
+        message = f"controllers[{block!r}] returned {given!r:.40}"
+        raise UsageError(f"{message}: it returns numbers by name, e.g. {{'u': 0.5}}") from None
 
 
 def _rows(inputs: Any, block: str, place: Mapping[str, int]) -> dict[str, list[int]]:

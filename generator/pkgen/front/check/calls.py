@@ -159,7 +159,7 @@ class Calls(RotationCalls):
         form = next((x for x in self.exacts if x.name == name), None)
         if form is None:
             help = f"closed forms are given of: {', '.join(x.name for x in self.exacts)}"
-            help = help if self.exacts else "say it: exact x = EXPR"
+            help = help if self.exacts else "say it: exact x = EXPR; those of parts are left out"
             raise Wrong(f"{self.text(argument)} has no closed form here", help, argument)
         value = form.value
         if form.range is not None:
