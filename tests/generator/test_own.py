@@ -47,12 +47,8 @@ def test_rooted_trees() -> None:
 
 def dop853() -> str:
     text = (TABLES / "dop853.h").read_text()
-    a, b = (
-        re.findall(
-            r"PK_C\((-?[\d.eE+-]+)\)", re.search(rf"dop853_{x}\[\] = {{(.*?)}};", text, re.S)[1]
-        )
-        for x in "ab"
-    )
+    tables = (re.search(rf"dop853_{x}\[\] = {{(.*?)}};", text, re.S)[1] for x in "ab")
+    a, b = (re.findall(r"[\d.eE+-]+", re.sub(r"PK_C", "", table)) for table in tables)
     rows = [" ".join(a[i * (i - 1) // 2 : i * (i + 1) // 2]) for i in range(1, 12)]
     return "\n".join(["A", "0", *rows, "b " + " ".join(b)])
 
