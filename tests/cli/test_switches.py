@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import case, ran, written
+from conftest import case, ran, run_pkgen, written
 
 # It falls on a spring that pushes and does not pull.
 TRAMPOLINE = case("trampoline")
@@ -98,3 +98,10 @@ def test_steps_end_where_what_has_no_value_beyond_begins(pkgen, tmp_path: Path) 
     assert last[1:3] == pytest.approx([0.40022, -1.39917], abs=2e-5)  # by SciPy
     report = json.loads(pkgen("run", path, "--until", "5", "--json").stdout)["report"]
     assert len(report["switches"][0]["times"]) > 8  # in and out of each bounce
+
+
+@pytest.mark.parametrize("method", ["gauss", "dop853", "radau"])
+def test_a_relay_from_rest_at_its_jump_slides(tmp_path: Path, method: str) -> None:
+    path = written(tmp_path, "model m\ncoord x\nkinetic x'^2/2\nforce x = 1 - 2*step(x)\n")
+    done = run_pkgen("run", path, "--until", "3", "--method", method)
+    assert done.returncode == 4 and "the motion stays on x = 0" in done.stderr

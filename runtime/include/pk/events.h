@@ -114,10 +114,12 @@ struct pk_events {
     pk_real *fresh; /* flags: the switch is zero at the start, so its side is a guess */
     int again;      /* flag: a guessed side was wrong, and the step is repeated */
     int brief;      /* number of successive switchings after very short steps */
-    int at_switch;  /* flag: the step begins at the root of a switch */
-    int begun;      /* flag: the first step was made; also if the start is a limit, where it ends */
-    int kept;       /* flag: the next step begins at the time `left`, where the last one ended */
-    pk_real left;   /* end time of the last step */
+    int slow;       /* number of switchings from slow_from on, within rounding of the time left */
+    pk_real slow_from, limit; /* limit: where the step may end */
+    int at_switch;            /* flag: the step begins at the root of a switch */
+    int begun;    /* flag: the first step was made; also if the start is a limit, where it ends */
+    int kept;     /* flag: the next step begins at the time `left`, where the last one ended */
+    pk_real left; /* end time of the last step */
     /* for each event a number whose size is the rounding error of g: if |g| at the start of the
      * step is smaller than it, its sign is taken for that of g */
     pk_real *held;

@@ -259,6 +259,7 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
         return it->status = PK_REFUSED;
     }
     e->from = it->t;
+    e->limit = limit;
     e->listed = 0;
     e->scout.options.h = it->options.h;
     pk_copy(e->q0, it->q, e->n_q);

@@ -12,8 +12,9 @@
 #include "events.h"
 
 /* A run fails with PK_SLIDING after MOST_BRIEF successive switchings, each within the fraction
- * SHORT of the attempted step or within some units in the last place of t. */
-enum { MOST_BRIEF = 64, MOST_AT_ONCE = 8 };
+ * SHORT of the attempted step or within some units in the last place of t, or after MOST_SLOW
+ * switchings within the rounding of the time left. */
+enum { MOST_BRIEF = 64, MOST_SLOW = 4096, MOST_AT_ONCE = 8 };
 #define SHORT PK_F(sqrt)(PK_EPS)
 
 void pk_switches_enter(struct pk_events *e, struct pk_integrator *it)
@@ -163,9 +164,12 @@ enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, p
                       took <= 64 * PK_EPS * pk_max(pk_abs(e->from), pk_abs(e->t));
     e->brief = e->at_switch && brief ? e->brief + 1 : 0;
     e->at_switch = 1;
+    if (pk_abs(e->t - e->slow_from) > MOST_SLOW * PK_EPS * pk_abs(e->limit - e->t))
+        e->slow = 0, e->slow_from = e->t;
+    const int slides = e->brief >= MOST_BRIEF || ++e->slow >= MOST_SLOW;
     enum pk_status status = hits ? pk_impulse(e, it, hit, to, hits) : PK_DONE;
     const struct pk_reason reason = it->reason;
-    if (status >= 0 && e->brief < MOST_BRIEF)
+    if (status >= 0 && !slides)
         return PK_DONE;
     pk_integrator_reset(it, e->t, e->q, e->v);
     it->own->ready = 0;
