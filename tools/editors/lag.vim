@@ -22,7 +22,7 @@ syn match lagShape /\v%(^\s*%(draw|view)\s+)@<={{ either('shape') }}>\s*/ contai
 syn match lagFile /\v%(<{{ either('method') }}\s+)@<=[^ \t#]+/ contained
 syn match lagTableau /\v%(method\s+\k+\s+)@<={{ either('method') }}>\s*/ contained
 syn match lagStatement /\v^\s*\zs{{ either('opening') }}>\s*/
-syn match lagStatement /\v^\s*\zs{{ either('named') }}>\ze\s+%(\k|")/
+syn match lagStatement /\v%(^\s*)@<={{ either('named') }}>\ze\s+%(\k|")/
 syn match lagFile /"[^"]*"/
 syn match lagJoining /\v%(\k|")@1<=\s+{{ either('joining') }}>\s*/ contained
 syn region lagNamed start=/\v^\s*\zs{{ either('named') }}>\ze\s+%(\k|")/ end=/$/ contains={{ value }},lagFile,lagJoining

@@ -20,7 +20,7 @@ syn match lagShape /\v%(^\s*%(draw|view)\s+)@<=%(arrow|bob|body|circle|curve|gro
 syn match lagFile /\v%(<%(tableau)\s+)@<=[^ \t#]+/ contained
 syn match lagTableau /\v%(method\s+\k+\s+)@<=%(tableau)>\s*/ contained
 syn match lagStatement /\v^\s*\zs%(body|draw|fast|gravity|hamiltonian|joint|torque|view)>\s*/
-syn match lagStatement /\v^\s*\zs%(exact|memory|sample|table|use)>\ze\s+%(\k|")/
+syn match lagStatement /\v%(^\s*)@<=%(exact|memory|sample|table|use)>\ze\s+%(\k|")/
 syn match lagFile /"[^"]*"/
 syn match lagJoining /\v%(\k|")@1<=\s+%(as|with)>\s*/ contained
 syn region lagNamed start=/\v^\s*\zs%(exact|memory|sample|table|use)>\ze\s+%(\k|")/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagFile,lagJoining
