@@ -25,7 +25,7 @@ ALONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREA
 
 
 def measured(python: str, package: str, model: str) -> dict | str:
-    """What measure.py tells, or why it tells nothing."""
+    """The result of measure.py, or the reason why there is none."""
     command = [python, "-m", "bench.world.measure", package, model]
     done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **ALONE})
     if done.returncode:
