@@ -19,7 +19,7 @@ PLAIN = frozenset(("acceleration", "energy", "force", "mass", "observe"))
 CANONICAL = frozenset(("hamiltonian", "hamilton", "hamilton_force"))
 # Kernels with which the runtime keeps constraints: generated even if a user selects other kernels.
 _OF_CONSTRAINTS = frozenset(
-    ("constraint", "constraint_jacobian", "residual_scale", "inertia", "redundant", "multipliers")
+    "constraint constraint_jacobian residual_scale inertia redundant multipliers meeting".split()
 )
 # Kernels with which the runtime finds the rates after an impulse.
 _OF_IMPULSES = frozenset(("corner", "energy", "unconstrained", "inertia"))
@@ -41,6 +41,7 @@ def needed_kernels(
         asked |= known & _OF_IMPULSES if equations.impulsive else set()
     if "acceleration" in asked and equations.acceleration is None:
         asked |= {"mass", "force"}
+    asked |= {event.kernel for event in equations.model.resetting}
     if equations.sampled:
         asked |= {"sampling", *(block.kernel for block in equations.model.samples)}
     return frozenset(asked)
@@ -173,6 +174,11 @@ _SPECS = (
         ),
     ),
     KernelSpec(
+        "meeting",
+        "of contacts and frictions, the accelerations of their rows if none holds; their bounds",
+        lambda e: e.constraints and {"out": e.constraints.values},
+    ),
+    KernelSpec(
         "multipliers",
         "lambda, of which J^T lambda are the forces of the constraints",
         lambda e: e.constraints and {"lambda_out": e.constraints.multipliers},
@@ -223,12 +229,21 @@ KERNELS: dict[str, KernelSpec] = {spec.name: spec for spec in _SPECS}
 
 
 def kernel(name: str) -> KernelSpec:
-    """Returns the specification of a kernel. BLOCK_sample, of a sample block, is in no table."""
+    """Returns the specification of a kernel. BLOCK_sample, of a sample block, and EVENT_reset are
+    in no table."""
 
-    def following(e: Equations) -> Mapping[str, Row]:
+    def sample(e: Equations) -> Mapping[str, Row]:
         k = [block.kernel for block in e.model.samples].index(name)
         n = len(e.inputs)
         return {"next": e.sampled[k * n : (k + 1) * n]}
 
+    def reset(e: Equations) -> Mapping[str, Row]:
+        row = e.resets[[event.kernel for event in e.model.resetting].index(name)]
+        hidden = len(row) - len(e.coordinates) - len(e.inputs)  # with those of body rates
+        return {"next": (*row[: e.own], *row[hidden:])}
+
+    if name.endswith("_reset"):
+        says = "the motion after the event: next, all of q, then of v, then of u"
+        return KernelSpec(name, says, reset)
     says = "a sample, which gives all inputs new values: next, with which the caller replaces u"
-    return KERNELS.get(name) or KernelSpec(name, says, following)
+    return KERNELS.get(name) or KernelSpec(name, says, sample)

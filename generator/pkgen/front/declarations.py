@@ -40,8 +40,9 @@ def declarations(statements: Iterable[st.Statement]) -> Iterator[tuple[str, Span
                 st.Use(name=name, name_span=span)
                 | st.Event(name=name, name_span=span)
                 | st.Table(name=name, name_span=span)
+                | st.Mode(name=name, name_span=span)
             ):
                 yield name, span, ""
-            case st.Equation(left=left):
+            case st.Equation(left=left) | st.Contact(left=left):
                 names = left.name, *multipliers(left.name)
                 yield from ((name, left.span, "") for name in names)

@@ -31,7 +31,9 @@ PK_BEGIN
     X(PK_OFF_CONSTRAINTS, -16, "the start breaks a constraint")                           \
     X(PK_NO_PROJECTION, -17, "the constraints cannot be fulfilled here")                  \
     X(PK_NO_PROGRESS, -18, "the steps get nowhere")                                       \
-    X(PK_NO_IMPULSE, -19, "what the motion does where the equations jump is not determined")
+    X(PK_NO_IMPULSE, -19, "what the motion does where the equations jump is not determined") \
+    X(PK_PENETRATES, -20, "a contact begins violated")                                    \
+    X(PK_NO_CONTACT, -21, "no motion satisfies contacts and friction here")
 
 #define PK_STATUS_ENUM(name, value, text) name = value,
 /* Extract the names (as for an enum) and the texts from a list of X(NAME, "text"). */
@@ -39,7 +41,7 @@ PK_BEGIN
 #define PK_EACH_TEXT(name, text) text,
 
 enum pk_status {
-    PK_STATUSES(PK_STATUS_ENUM) PK_STATUS_LAST = -20 /* a number below all statuses */
+    PK_STATUSES(PK_STATUS_ENUM) PK_STATUS_LAST = -22 /* a number below all statuses */
 };
 
 /* Return the name of a status, such as "PK_NOT_FINITE", and its text. Never NULL. */

@@ -232,6 +232,8 @@ struct pk_system {
     size_t n_tables;
     int consistent; /* whether pk_integrator_reset() moves to the nearest state on constraints */
     struct pk_part_samples samples;
+    struct pk_part_resets resets;
+    struct pk_part_contacts contacts;
     /* Add new members here, at the end. */
 };
 

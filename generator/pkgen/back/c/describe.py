@@ -80,6 +80,7 @@ _OUT = {
     "switching": lambda e: tuple(switch.quantity for switch in e.switches),
     "marking": lambda e: tuple(mark.quantity for mark in e.marks),
     "singularity": lambda e: tuple(singularity.quantity for singularity in e.singularities),
+    "meeting": lambda e: (),
 }
 _FORCES = ("f", "pdot", "dLdq", "dHdq", "applied")
 _UNLISTED = (

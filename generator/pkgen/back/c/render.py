@@ -60,6 +60,7 @@ SYSTEM_KERNELS = {
     "marking": "marks.values",
     "particles": "particles.at",
     "sampling": "samples.start",
+    "meeting": "contacts.values",
 }
 
 # Files that connect a model's header and source to the runtime, and their templates.
@@ -239,6 +240,7 @@ def frame(
         "n_parameters": len(parameters),
         "n_inputs": len(names["inputs"]),
         "samples": model.samples,
+        "resetting": model.resetting,
         "n_observed": len(names["observed"]),
         "n_conserved": len(names["conserved"]),
         "facts": [f"PK_{field.upper()}" for field in FACTS.split() if getattr(proved, field)],
@@ -293,6 +295,9 @@ def _context(program: Program) -> dict[str, Any]:
         "has_parts": int({"kinetic", "potential"} <= present),
         "input_rates": tables.input_rates(equations.inputs),
         "held": tables.held(equations),
+        "reset_events": tables.reset_events(equations),
+        "meetings": tables.meetings(equations),
+        "row_modes": tables.row_modes(equations),
         "functions": _functions(program),
         "forms": list(program.lanes),
         "lane_arguments": LANE_ARGUMENTS,

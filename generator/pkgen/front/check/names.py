@@ -162,6 +162,8 @@ KIND_TEXT = {
     "state": "a state",
     "rotation": "a rotation",
     "constraint": "a constraint",
+    "contact": "a contact",
+    "mode": "a mode",
     "multiplier": "the multiplier of a constraint",
     "definition": "a definition",
     "table": "a table",

@@ -74,7 +74,8 @@ class Settings(Checks):
 
     def event(self, at: Expr, clause: str) -> str:
         """Returns the name of an event; "" after an error."""
-        events = {e.name for e in self.parts["events"]}
+        kinds = [*self.parts["events"], *self.parts["contacts"]]
+        events = {e.name for e in kinds if not e.name[0].isdigit() and not getattr(e, "range", None)}
         if isinstance(at, Name) and at.index is None and at.id in events:
             return at.id
         if isinstance(at, Name) and self.names.table.get(at.id) is None:

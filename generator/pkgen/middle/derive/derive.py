@@ -13,7 +13,7 @@ from functools import partial
 from ... import limits
 from ...equations import Equations, Named, ParameterSlot, Quantity, Row
 from ...graph.differentiate import gradient
-from ...graph.graph import BIT, ZERO, Kind, Node
+from ...graph.graph import BIT, ONE, ZERO, Kind, Node
 from ...graph.solve import SingularMass, solve
 from ...graph.substitute import substituted
 from ...indices import of_made
@@ -37,11 +37,13 @@ from ..quantities import (
 from .constrain import CannotConstrain
 from .constraint_start import at_the_start
 from .constraints import cannot_constrain, define_multipliers, rows_of
+from .contacts import with_meetings
 from .first_degree import rates_of_first_degree
 from .first_order import define_built_in, rates_of_states
 from .impulses import check_rates
 from .lagrange import Derived, derived, located
 from .legendre import hamiltonian_of, lagrangian_of, rates_at_start
+from .resets import resets_of
 from .samples import sampled
 
 
@@ -88,6 +90,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     )
     if wrong:
         raise ModelError(model.source, wrong)
+    rows = with_meetings(x, rows)
     bodies = None
     if wanted.named(PARTICLES):
         from ..particles.masses import Given
@@ -133,6 +136,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         singularities=(),
         events=_events(x, found),
         **sampled(x, partial(_solved, x, found=found)),
+        resets=resets_of(x, partial(_solved, x, found=found)),
         start_q=start_q,
         start_v=start_v,
         state_start=state_start,
@@ -275,7 +279,13 @@ def _events(x: Expander, found: Derived) -> Row:
     nodes = []
     for item in x.model.events:
         with x.statement(item.span):
-            nodes.append(_solved(x, x.scalar(item.value), found, item.span))
+            node = _solved(x, x.scalar(item.value), found, item.span)
+            if item.mode:  # 1 while it cannot happen
+                on = x.input(f"{item.mode}.on")
+                off = x.graph.subtract(ONE, on)
+                holds, other = (on, off) if item.when else (off, on)
+                node = x.graph.add(x.graph.multiply(holds, node), other)
+            nodes.append(node)
     refuse_constant(x.model, x.graph, nodes)
     return tuple(nodes)
 

@@ -111,6 +111,7 @@ def _extended(e: Equations, wanted: Wanted, solved: bool) -> tuple[Equations, Mo
         rows=wider(c.rows),
         residual=there(c.residual),
         multipliers=there(c.multipliers),
+        values=there(c.values),
         pivots=tuple(map(there, c.pivots)),
         redundant=more
         and replace(more, positions=there(more.positions), residual=there(more.residual)),
@@ -135,6 +136,7 @@ def _extended(e: Equations, wanted: Wanted, solved: bool) -> tuple[Equations, Mo
         switches=tuple(map(switch, e.switches)),
         marks=tuple(map(switch, e.marks)),
         **{x: there(getattr(e, x)) for x in ("observed", "conserved", "events", "sampled")},
+        resets=tuple(map(there, e.resets)),
         start_q=(*e.start_q, *none),
         start_v=(*e.start_v, *e.state_start),
         states=(),

@@ -1,0 +1,257 @@
+/* Values after events, and the modes of contacts, frictions and latches; see pk/act.h. impact.c
+ * solves for impulses and multipliers. */
+#include <math.h>
+
+#include "act.h"
+
+/* A gap below this fraction of its terms is closed, at a start and later. */
+#define WRITTEN PK_C(1e-8)
+#define CLOSED (PK_C(1e4) * PK_EPS)
+#define STILL (PK_C(1e3) * PK_EPS) /* a rate below this fraction of its terms is 0 */
+/* a bounce below this fraction of the highest one, as its height goes, ends in rest */
+#define LOW (64 * PK_EPS)
+
+static size_t lay_out(struct pk_actor *a, const struct pk_problem *problem, pk_real *base)
+{
+    const struct pk_system *system = problem->system;
+    const size_t n = pk_count_of(problem), n_q = pk_coordinates_of(problem);
+    const size_t e = system->contacts.n, c = system->constraints.n;
+    pk_real *seen;
+    /* clang-format off */
+    const struct pk_slot slots[] = {
+        {&seen, e * sizeof *a->seen / sizeof *seen}, {&a->happened, system->events.n},
+        {&a->next, n_q + n + system->n_inputs}, {&a->before, n_q + n + system->n_inputs},
+        {&a->values, 5 * e}, {&a->touches, e}, {&a->state, e}, {&a->A, e ? c * c : 0},
+        {&a->b, c}, {&a->x, c}, {&a->B, e ? c * (c + 1) : 0},
+        {&a->room, e ? pk_project_room(problem, n) : 0}};
+    /* clang-format on */
+    const size_t size = PK_LAY_OUT(base, slots);
+    a->seen = (struct pk_contact_seen *)(void *)seen;
+    a->n_q = n_q;
+    a->n = n;
+    return size;
+}
+
+size_t pk_actor_reals(const struct pk_problem *problem)
+{
+    struct pk_actor a;
+    const struct pk_system *system = problem->system;
+    return system->resets.n || system->contacts.n ? lay_out(&a, problem, NULL) : 0;
+}
+
+int pk_actor_note(struct pk_actor *a, const struct pk_events *events)
+{
+    const struct pk_system *system = a->system;
+    const size_t k = events->which;
+    int acts = 0;
+    for (size_t i = 0; i < system->resets.n; i++)
+        acts |= system->resets.table[i].event == k;
+    for (size_t i = 0; i < system->contacts.n; i++)
+        acts |= system->contacts.table[i].event == k || system->contacts.table[i].open == k;
+    if (acts)
+        a->happened[k] = 1;
+    if (system->events.table[k].stop && !a->stopped)
+        a->stopped = k + 1;
+    a->acting |= acts;
+    return acts;
+}
+
+/* The parts of a->next: the state and the inputs that are to follow. */
+static pk_real *next_v(const struct pk_actor *a) { return a->next + a->n_q; }
+
+static int happened(const struct pk_actor *a, size_t event)
+{
+    return event < a->system->events.n && a->happened[event] > 0;
+}
+
+static enum pk_status fail(struct pk_integrator *it, enum pk_status status, size_t index,
+                           size_t other)
+{
+    it->own->ready = 0;
+    return pk_fail_with(it, status, PK_WHY(.index = index, .other = other, .time = it->t));
+}
+
+/* Finds the contacts whose gap is closed. A gap that has just been found closed by its event is. */
+static enum pk_status touch(struct pk_actor *a, struct pk_integrator *it, struct rows *r,
+                            pk_real within)
+{
+    for (size_t k = 0; k < a->system->contacts.n; k++) {
+        const struct pk_contact *x = &a->system->contacts.table[k];
+        const pk_real gap = x->kind == PK_CONTACT ? r->w.phi[x->row] : 0;
+        const pk_real size = x->kind == PK_CONTACT ? r->w.phi_size[x->row] : 0;
+        const int on = a->u[x->mode] > 0;
+        if (x->kind != PK_CONTACT)
+            continue;
+        if (!on && !happened(a, x->event) && gap < -pk_max(within, WRITTEN) * size)
+            return fail(it, PK_PENETRATES, k, 0);
+        a->touches[k] = on || happened(a, x->event) || pk_abs(gap) <= within * size;
+        a->seen[k].highest = pk_max(a->seen[k].highest, 0);
+    }
+    return PK_DONE;
+}
+
+/* Returns whether the rate of a row is 0 up to rounding. */
+static int is_still(const struct rows *r, size_t row)
+{
+    return pk_abs(r->w.rate[row]) <= STILL * r->w.rate_size[row];
+}
+
+/* Changes the rates by impulses, if a closed gap still closes, or if a row that holds is left. */
+static enum pk_status strike(struct pk_actor *a, struct pk_integrator *it, struct rows *r)
+{
+    int strikes = 0;
+    for (size_t row = 0; row < r->w.c; row++) {
+        const size_t k = r->of[row];
+        const int contact = k < a->system->contacts.n &&
+                            a->system->contacts.table[k].kind == PK_CONTACT;
+        if (k < a->system->contacts.n && !contact && !(a->u[r->mode[row]] > 0))
+            continue;
+        if (contact ? a->touches[k] > 0 && r->w.rate[row] < 0 && !is_still(r, row)
+                    : a->system->contacts.modes[row] == 0 && !is_still(r, row))
+            strikes = 1;
+        if (k < a->system->contacts.n && a->system->contacts.table[k].kind == PK_LATCH &&
+            happened(a, a->system->contacts.table[k].event))
+            strikes = 1;
+    }
+    return strikes ? pk_impact(a, it, r) : PK_DONE;
+}
+
+/* Returns whether contact k, which is closed and opens at this rate, is about to come to rest: its
+ * next bounce would be lower than rounding. */
+static int is_low(struct pk_actor *a, const struct rows *r, size_t k, pk_real t)
+{
+    const size_t row = a->system->contacts.table[k].row;
+    const pk_real v = r->w.rate[row], down = -r->acceleration[row];
+    struct pk_contact_seen *seen = &a->seen[k];
+    if (!(down > 0))
+        return 0;
+    const pk_real height = v * v / (2 * down), flight = 2 * v / down;
+    const pk_real low = LOW * pk_max(seen->highest, r->w.phi_size[row]);
+    seen->highest = pk_max(seen->highest, height);
+    if (!(height <= low))
+        return 0;
+    /* the flights that follow are a geometric series */
+    const pk_real ratio = seen->flight > flight ? flight / seen->flight : 0;
+    seen->rests = t + flight / (1 - ratio);
+    return 1;
+}
+
+/* Finds the modes that the accelerations allow, and writes them to the inputs. */
+static enum pk_status settle(struct pk_actor *a, struct pk_integrator *it, struct rows *r)
+{
+    const size_t e = a->system->contacts.n;
+    const struct pk_contact *table = a->system->contacts.table;
+    int again = 1;
+    for (size_t k = 0; k < e; k++)
+        if (!(a->touches[k] > 0) || (r->w.rate[table[k].row] > 0 && !is_still(r, table[k].row)))
+            a->seen[k].rests = (pk_real)NAN;
+    while (again) {
+        again = 0;
+        for (size_t k = 0; k < e; k++) {
+            const size_t row = table[k].row;
+            const int still = is_still(r, row) || happened(a, table[k].open);
+            a->state[k] = table[k].kind == PK_CONTACT
+                              ? a->touches[k] > 0 && (still || pk_finite(a->seen[k].rests))
+                          : table[k].kind == PK_FRICTION && !still
+                              ? (r->w.rate[row] > 0 ? 2 : -2)
+                              : 1;
+        }
+        PK_TRY(pk_reactions(a, it, r));
+        for (size_t k = 0; k < e; k++) {
+            const int rises = table[k].kind == PK_CONTACT && a->touches[k] > 0 &&
+                              r->w.rate[table[k].row] > 0 && !is_still(r, table[k].row);
+            if (rises && !pk_finite(a->seen[k].rests))
+                again |= is_low(a, r, k, it->t);
+        }
+    }
+    for (size_t k = 0; k < e; k++) {
+        pk_real *u = a->next + a->n_q + a->n + table[k].mode;
+        if (table[k].kind == PK_LATCH)
+            continue;
+        u[0] = pk_abs(a->state[k] - 1) <= 0;
+        if (table[k].kind == PK_FRICTION)
+            u[1] = a->state[k] > 1 ? 1 : a->state[k] < 0 ? -1 : 0;
+        else if (!(u[0] > 0))
+            a->seen[k].rests = (pk_real)NAN;
+        else if (!pk_finite(a->seen[k].rests))
+            a->seen[k].rests = it->t;
+    }
+    return PK_DONE;
+}
+
+/* Finds the motion after the state a->next: impulses, then modes. */
+static enum pk_status contacts(struct pk_actor *a, struct pk_integrator *it, pk_real within)
+{
+    const struct pk_contact *table = a->system->contacts.table;
+    struct rows r;
+    pk_real *u = a->next + a->n_q + a->n;
+    for (size_t k = 0; k < a->system->contacts.n; k++)
+        if (table[k].kind == PK_LATCH)
+            u[table[k].mode] = happened(a, table[k].event) ||
+                               (u[table[k].mode] > 0 && !happened(a, table[k].open));
+    pk_copy(a->u, u, a->system->n_inputs);
+    PK_TRY(pk_act_rows(a, it, &r));
+    PK_TRY(touch(a, it, &r, within));
+    PK_TRY(strike(a, it, &r));
+    PK_TRY(settle(a, it, &r));
+    pk_copy(a->u, u, a->system->n_inputs);
+    return pk_constraint_project(it, it->t, a->next, next_v(a));
+}
+
+static enum pk_status change(struct pk_actor *a, struct pk_integrator *it, pk_real within)
+{
+    const struct pk_system *system = a->system;
+    const size_t n_q = a->n_q, n = a->n;
+    const size_t stopped = a->stopped;
+    pk_real *old = a->before;
+    pk_copy(a->next, it->q, n_q);
+    pk_copy(next_v(a), it->v, n);
+    pk_copy(a->next + n_q + n, a->u, system->n_inputs);
+    for (size_t i = 0; i < system->resets.n; i++) {
+        if (!happened(a, system->resets.table[i].event))
+            continue;
+        pk_copy(old, a->next, n_q + n + system->n_inputs);
+        system->resets.table[i].next(a->params, it->t, old, old + n_q, old + n_q + n, a->next);
+    }
+    pk_copy(a->u, a->next + n_q + n, system->n_inputs);
+    if (system->contacts.n)
+        PK_TRY(contacts(a, it, within));
+    pk_zero(a->happened, system->events.n);
+    a->acting = 0;
+    a->stopped = 0;
+    PK_TRY(pk_integrator_reset(it, it->t, a->next, next_v(a)));
+    it->event = stopped;
+    return it->status = stopped ? PK_STOPPED_EVENT : PK_DONE;
+}
+
+enum pk_status pk_actor_start(struct pk_actor *a, struct pk_integrator *it, pk_real *work)
+{
+    const struct pk_contact *table = a->system->contacts.table;
+    lay_out(a, &it->problem, work);
+    pk_zero(work, lay_out(a, &it->problem, NULL));
+    lay_out(a, &it->problem, work);
+    a->work = work;
+    a->order_t = (pk_real)NAN;
+    a->acting = 0;
+    a->stopped = 0;
+    for (size_t k = 0; k < a->system->contacts.n; k++) {
+        a->seen[k].rests = a->seen[k].last = (pk_real)NAN;
+        a->u[table[k].mode] = table[k].kind == PK_LATCH && !(table[k].event < a->system->events.n);
+        a->u[table[k].mode + 1] = 0;
+    }
+    return a->system->contacts.n ? change(a, it, WRITTEN) : PK_DONE;
+}
+
+enum pk_status pk_actor_run(struct pk_actor *a, struct pk_integrator *it)
+{
+    return change(a, it, CLOSED);
+}
+
+void pk_actor_keep(struct pk_actor *a, struct pk_keep *k)
+{
+    const struct pk_system *system = a->system;
+    pk_keep(k, a->u, system->n_inputs * sizeof *a->u);
+    pk_keep(k, a->seen, system->contacts.n * sizeof *a->seen);
+    PK_KEEP(k, a->order_t);
+    PK_KEEP(k, a->order_of);
+}
