@@ -36,6 +36,8 @@ struct pk_actor {
     const void *params;
     pk_real *u; /* the inputs, which the modes are among; the integrator's input function gives them */
 
+    struct pk_events *events; /* those that find what is noted, or NULL */
+
     int acting;     /* flag: an event that changes the motion was noted */
     size_t stopped; /* 1 + the first event noted that ends the run, or 0 */
     struct pk_contact_seen *seen; /* one for each contact */
@@ -44,7 +46,7 @@ struct pk_actor {
 
     /* Private to the runtime. */
     size_t n_q, n;
-    pk_real *work, *happened, *next, *values, *before, *A, *b, *x, *B, *touches, *state, *room;
+    pk_real *work, *happened, *next, *values, *before, *A, *b, *x, *B, *touches, *state, *idle, *room;
 };
 
 /* Returns the number of pk_real of work memory; 0 if nothing in the system acts. */
@@ -57,6 +59,8 @@ int pk_actor_note(struct pk_actor *a, const struct pk_events *events);
 /* Changes the motion at the events noted, and resets the integrator there. Returns
  * PK_STOPPED_EVENT if one of them ends the run; else PK_DONE, or a failure as pk_actor_start(). */
 enum pk_status pk_actor_run(struct pk_actor *a, struct pk_integrator *it);
+/* To be called once the events are initialised: so they see a gap that is 0 as open. */
+void pk_actor_watch(struct pk_actor *a, const struct pk_integrator *it);
 void pk_actor_keep(struct pk_actor *a, struct pk_keep *k);
 
 PK_END

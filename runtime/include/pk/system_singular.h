@@ -78,7 +78,8 @@ struct pk_contact {
     enum pk_contact_kind kind;
     size_t row; /* of the constraints */
     /* The input that is 1 while the row holds. The next input is for friction the direction of the
-     * slip, or 0; else the energy lost in impacts. */
+     * slip, or 0; else the energy lost in impacts. The third is 1 while the row is kept at 0 by
+     * others that it is a combination of, without a force of its own that is to be found. */
     size_t mode;
     size_t of; /* of a friction: number of the contact whose multiplier bounds it, or of none */
     /* Events: where a gap closes, where a contact opens; where friction changes; where a latch

@@ -77,6 +77,9 @@ enum pk_run_code crossings_begin(struct pk_run *run)
     run->events.switched = switched;
     run->events.doubtful = doubtful;
     run->events.context = run;
+    run->actor.events = &run->events;
+    if (run->acts)
+        pk_actor_watch(&run->actor, &run->it);
     return PK_RUN_DONE;
 }
 

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "act.h"
+#include "events.h"
 
 /* A gap below this fraction of its terms is closed, at a start and later. */
 #define WRITTEN PK_C(1e-8)
@@ -21,7 +22,7 @@ static size_t lay_out(struct pk_actor *a, const struct pk_problem *problem, pk_r
     const struct pk_slot slots[] = {
         {&seen, e * sizeof *a->seen / sizeof *seen}, {&a->happened, system->events.n},
         {&a->next, n_q + n + system->n_inputs}, {&a->before, n_q + n + system->n_inputs},
-        {&a->values, 5 * e}, {&a->touches, e}, {&a->state, e}, {&a->A, e ? c * c : 0},
+        {&a->values, 5 * e}, {&a->touches, e}, {&a->state, e}, {&a->idle, e}, {&a->A, e ? c * c : 0},
         {&a->b, c}, {&a->x, c}, {&a->B, e ? c * (c + 1) : 0},
         {&a->room, e ? pk_project_room(problem, n) : 0}};
     /* clang-format on */
@@ -84,7 +85,7 @@ static enum pk_status touch(struct pk_actor *a, struct pk_integrator *it, struct
             continue;
         if (!on && !happened(a, x->event) && gap < -pk_max(within, WRITTEN) * size)
             return fail(it, PK_PENETRATES, k, 0);
-        a->touches[k] = on || happened(a, x->event) || pk_abs(gap) <= within * size;
+        a->touches[k] = on || a->u[x->mode + 2] > 0 || happened(a, x->event) || pk_abs(gap) <= within * size;
         a->seen[k].highest = pk_max(a->seen[k].highest, 0);
     }
     return PK_DONE;
@@ -169,9 +170,10 @@ static enum pk_status settle(struct pk_actor *a, struct pk_integrator *it, struc
         if (table[k].kind == PK_LATCH)
             continue;
         u[0] = pk_abs(a->state[k] - 1) <= 0;
+        u[2] = a->idle[k];
         if (table[k].kind == PK_FRICTION)
             u[1] = a->state[k] > 1 ? 1 : a->state[k] < 0 ? -1 : 0;
-        else if (!(u[0] > 0))
+        else if (!(u[0] > 0 || u[2] > 0))
             a->seen[k].rests = (pk_real)NAN;
         else if (!pk_finite(a->seen[k].rests))
             a->seen[k].rests = it->t;
@@ -216,12 +218,27 @@ static enum pk_status change(struct pk_actor *a, struct pk_integrator *it, pk_re
     pk_copy(a->u, a->next + n_q + n, system->n_inputs);
     if (system->contacts.n)
         PK_TRY(contacts(a, it, within));
-    pk_zero(a->happened, system->events.n);
     a->acting = 0;
     a->stopped = 0;
+    pk_zero(a->happened, system->events.n);
     PK_TRY(pk_integrator_reset(it, it->t, a->next, next_v(a)));
+    pk_actor_watch(a, it);
     it->event = stopped;
     return it->status = stopped ? PK_STOPPED_EVENT : PK_DONE;
+}
+
+/* The functions of contacts and frictions are positive until they change, whatever rounding says
+ * where a gap is 0. */
+void pk_actor_watch(struct pk_actor *a, const struct pk_integrator *it)
+{
+    const struct pk_part_contacts *all = &a->system->contacts;
+    if (!a->events || !all->n)
+        return;
+    for (size_t k = 0; k < all->n; k++)
+        if (all->table[k].kind != PK_LATCH)
+            a->events->held[all->table[k].event] = a->events->held[all->table[k].open] =
+                PK_INFINITY;
+    pk_switches_leave(a->events, it);
 }
 
 enum pk_status pk_actor_start(struct pk_actor *a, struct pk_integrator *it, pk_real *work)
@@ -237,14 +254,15 @@ enum pk_status pk_actor_start(struct pk_actor *a, struct pk_integrator *it, pk_r
     for (size_t k = 0; k < a->system->contacts.n; k++) {
         a->seen[k].rests = a->seen[k].last = (pk_real)NAN;
         a->u[table[k].mode] = table[k].kind == PK_LATCH && !(table[k].event < a->system->events.n);
-        a->u[table[k].mode + 1] = 0;
+        a->u[table[k].mode + 1] = a->u[table[k].mode + 2] = 0;
     }
     return a->system->contacts.n ? change(a, it, WRITTEN) : PK_DONE;
 }
 
 enum pk_status pk_actor_run(struct pk_actor *a, struct pk_integrator *it)
 {
-    return change(a, it, CLOSED);
+    const enum pk_status status = change(a, it, CLOSED);
+    return it->status = status;
 }
 
 void pk_actor_keep(struct pk_actor *a, struct pk_keep *k)

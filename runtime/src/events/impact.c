@@ -269,6 +269,33 @@ enum pk_status pk_impact(struct pk_actor *a, struct pk_integrator *it, struct ro
     return PK_DONE;
 }
 
+/* Marks the rows that are linear combinations of rows that hold: they stay at 0 without a force, or
+ * with the force of a slip. */
+static void depend(const struct problem *p, int *depends)
+{
+    const pk_real least = PK_C(1e-9);
+    size_t held[PK_MOST_ROWS], count = 0;
+    pk_real d[PK_MOST_ROWS], *L = p->B;
+    for (int holds = 1; holds >= 0; holds--)
+        for (size_t i = 0; i < p->c; i++) {
+            if ((p->state[i] == 1 && p->kind[i] != OUT) != holds)
+                continue;
+            pk_real left = p->A[i * p->c + i];
+            for (size_t k = 0; k < count; k++) {
+                pk_real sum = p->A[i * p->c + held[k]];
+                for (size_t m = 0; m < k; m++)
+                    sum -= L[i * p->c + m] * L[held[k] * p->c + m] * d[m];
+                L[i * p->c + k] = sum / d[k];
+                left -= sum * sum / d[k];
+            }
+            depends[i] = !(left > least * p->A[i * p->c + i]);
+            if (holds && !depends[i]) {
+                d[count] = left;
+                held[count++] = i;
+            }
+        }
+}
+
 enum pk_status pk_reactions(struct pk_actor *a, struct pk_integrator *it, struct rows *r)
 {
     const struct pk_part_contacts *all = &a->system->contacts;
@@ -285,19 +312,34 @@ enum pk_status pk_reactions(struct pk_actor *a, struct pk_integrator *it, struct
             p.kind[i] = a->u[all->table[k].mode] > 0 ? EQUAL : OUT;
         else if (kind == PK_CONTACT)
             p.kind[i] = holds ? PUSH : OUT;
+        else if (all->table[k].of < all->n && !(a->state[all->table[k].of] > 0))
+            p.kind[i] = OUT; /* its contact is open */
         else
             p.kind[i] = holds ? RUB : SLIP;
         p.state[i] = p.kind[i] == EQUAL ? 1 : state;
     }
-    if (!complement(&p))
+    int found = complement(&p), ends = 0;
+    for (size_t i = 0; i < p.c && found; i++) { /* a row whose force reached its bound lets go */
+        const size_t k = r->of[i];
+        const int over = k < all->n && all->table[k].open < a->system->events.n &&
+                         a->happened[all->table[k].open] > 0 && p.state[i] == 1;
+        if (over && p.kind[i] == PUSH)
+            p.state[i] = 0, ends = 1;
+        else if (over && p.kind[i] == RUB)
+            p.state[i] = p.x[i] > 0 ? -2 : 2, ends = 1;
+    }
+    if (!found || (ends && !complement(&p)))
         return pk_fail_with(it, PK_NO_CONTACT, PK_WHY(.time = it->t));
+    int depends[PK_MOST_ROWS];
+    depend(&p, depends);
     for (size_t i = 0; i < p.c; i++) {
         const size_t k = r->of[i];
         pk_real size;
         r->acceleration[i] = result(&p, i, &size);
         if (k == all->n)
             continue;
-        a->state[k] = p.state[i];
+        a->idle[k] = depends[i] && p.kind[i] != OUT && p.kind[i] != SLIP;
+        a->state[k] = p.state[i] == 1 && depends[i] ? 0 : p.state[i];
         if (all->table[k].kind == PK_FRICTION && p.of[i] < p.c && !(push(&p, i) > 0))
             a->state[k] = 0;
     }

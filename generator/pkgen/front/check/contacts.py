@@ -18,7 +18,7 @@ from .. import statements as st
 from .. import units
 from ..units import NONE, Dimension, si_text
 from .expr import Target
-from .names import UNKNOWN, Entry, Facts
+from .names import UNKNOWN, Entry, Facts, Members
 from .scope import PLACES, Scope
 from .settings import Settings
 from .shared import name_span
@@ -124,6 +124,10 @@ class Contacts(Settings):
             if f.value is not None and f.value < 0:
                 self.error("a bound of friction is not negative", expr, "its direction is found")
             self.use_inputs(f)
+        multiplier = self._unit_of(self.power_dimension, facts.dimension)
+        members = Members(self.members_of(left)) if left.range or left.index else None
+        name = multipliers(left.name)[0]
+        self.names.declare(Entry(name, "multiplier", multiplier, name_span(left), members))
         given = slip, value, static, si_text(wanted or NONE)
         said = statement.description, statement.span
         made = m.Friction(left.name, left.index, left.range, *given, *said)
@@ -168,7 +172,8 @@ class Contacts(Settings):
                 frictions.append(m.Friction(f"{x.name}.rub", None, None, *given))
         for x in frictions:
             self._inputs(x, "side", NONE)
-            slip = written("a*b", x.span, *(_of(x, f"{x.name}.{end}") for end in ("side", "slip")))
+            of = (_of(x, f"{x.name}.{end}") for end in ("side", "slip"))
+            slip = written("a*b + 1 - a^2", x.span, *of)
             held = written("a^2 - b^2", x.span, x.static or x.value, _multiplier(x))
             self._event(f"2{x.name}", slip, x, 0)
             self._event(f"3{x.name}", held, x, 1)
@@ -193,8 +198,8 @@ class Contacts(Settings):
                 yield replace(item, name=name, index=None, range=None, **values)
 
     def _inputs(self, x: m.Contact | m.Friction | m.Mode, second: str, dimension: Dimension) -> None:
-        """Adds the input that is 1 while the row of x holds, and a second one."""
-        for end, of in (("on", NONE), (second, dimension)):
+        """Adds the inputs of x; see struct pk_contact in runtime/include/pk/system_singular.h."""
+        for end, of in (("on", NONE), (second, dimension), ("idle", NONE)):
             name = f"{x.name}.{end}"
             self.sampled[name] = x.name
             self.parts["inputs"].append(m.Input(name, 0, (si_text(of),), "", x.span, x.name))

@@ -281,10 +281,10 @@ def _events(x: Expander, found: Derived) -> Row:
         with x.statement(item.span):
             node = _solved(x, x.scalar(item.value), found, item.span)
             if item.mode:  # 1 while it cannot happen
-                on = x.input(f"{item.mode}.on")
-                off = x.graph.subtract(ONE, on)
-                holds, other = (on, off) if item.when else (off, on)
-                node = x.graph.add(x.graph.multiply(holds, node), other)
+                on, idle = (x.input(f"{item.mode}.{end}") for end in ("on", "idle"))
+                can = on if item.when else x.graph.subtract(ONE, x.graph.add(on, idle))
+                other = x.graph.subtract(ONE, can)
+                node = x.graph.add(x.graph.multiply(can, node), other)
             nodes.append(node)
     refuse_constant(x.model, x.graph, nodes)
     return tuple(nodes)
