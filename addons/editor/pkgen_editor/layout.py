@@ -165,7 +165,7 @@ def _spaced(source: Source, line: Line, before: Token | None, tight: set[int]) -
         space = space and token.type not in NONE_BEFORE and token.type != "COLON"
         if token.type in SIGNS and binary:
             space = token.start_pos not in tight
-        if before is not None and not space and _joins(_text(source, before), text):
+        if before is not None and not space and _joins(_text(source, before), text, source.dotted):
             space = True
         pieces.append(" " + text if space and pieces else text)
         signed = token.type in SIGNS and (not binary or token.start_pos in tight)
@@ -173,10 +173,12 @@ def _spaced(source: Source, line: Line, before: Token | None, tight: set[int]) -
     return pieces
 
 
-def _joins(left: str, right: str) -> bool:
-    """Whether two texts without a space between them would be lexed as one token."""
+def _joins(left: str, right: str, dotted: bool) -> bool:
+    """Whether two texts without a space between them would be lexed as one token. `dotted`: names
+    have dots."""
     words = re.match(r"\w|\.\w", right) and re.search(r"\w$", left)
-    return left + right == "**" or bool(words and (right[0] != "." or left[0].isdigit()))
+    apart = dotted or right[0] != "." or left[0].isdigit()
+    return left + right == "**" or bool(words and apart)
 
 
 def _blocks(lines: list[Line]) -> Iterator[list[Line]]:

