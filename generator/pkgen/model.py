@@ -469,6 +469,11 @@ class Model:
         return bool(self.contacts or self.frictions or self.modes)
 
     @property
+    def struck(self) -> bool:
+        """Whether the motion may change at once: by values after events, or by contacts."""
+        return bool(self.resetting) or self.meets
+
+    @property
     def resetting(self) -> tuple[Event, ...]:
         return tuple(event for event in self.events if event.then)
 

@@ -144,6 +144,9 @@ static int refused(const struct pk_integrator *it, char *text, size_t size)
     if (system->n_inputs && (it->method->traits & PK_NO_INPUTS))
         return TELL("%s needs the derivative by time, and %s has inputs, whose is unknown",
                     it->method->name, system->name);
+    if (system->contacts.n && (it->method->traits & PK_HOLONOMIC))
+        return TELL("%s takes no constraints that hold at times, such as the contact %s: use gauss",
+                    it->method->name, system->contacts.table[0].name);
     if (pk_rolls(system) && (it->method->traits & PK_HOLONOMIC)) {
         pk_constraint_name(system, it->problem.params,
                            pk_system_rows(system, it->problem.params, 1), name, sizeof name);
@@ -160,6 +163,17 @@ static int refused(const struct pk_integrator *it, char *text, size_t size)
                    "%.6g",
                    (double)it->options.h, (double)it->reason.value);
     return TELL("%s: %s", it->method->name, pk_status_text(it->status));
+}
+
+/* Writes the names of all contacts. */
+static const char *contacts_of(const struct pk_integrator *it, char *text, size_t size)
+{
+    const struct pk_part_contacts *all = &it->problem.system->contacts;
+    size_t used = 0;
+    for (size_t k = 0; k < all->n && used < size; k++)
+        used += (size_t)snprintf(text + used, size - used, "%s%s", k ? ", " : "",
+                                 all->table[k].name);
+    return text;
 }
 
 int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size)
@@ -214,6 +228,12 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                    "back to it, and what follows they do not say; a smooth function in place "
                    "of the jump, such as tanh, does",
                    name);
+    case PK_PENETRATES:
+        return SAY("%s: %s is %.6g", what, system->contacts.table[index].name, value);
+    case PK_NO_CONTACT:
+        return SAY("%s: %s of %s: friction that grows with the force that it causes (Painleve), "
+                   "or impulses that contradict each other",
+                   what, kind ? "impulses" : "accelerations", contacts_of(it, name, sizeof name));
     case PK_NO_IMPULSE:
         return pk_impulse_reason(it, text, size);
     case PK_OFF_CONSTRAINTS:

@@ -120,6 +120,7 @@ struct pk_events {
     int begun;    /* flag: the first step was made; also if the start is a limit, where it ends */
     int kept;     /* flag: the next step begins at the time `left`, where the last one ended */
     pk_real left; /* end time of the last step */
+    pk_real tried; /* length of the last step that an event or a switch has cut */
     /* for each event a number whose size is the rounding error of g: if |g| at the start of the
      * step is smaller than it, its sign is taken for that of g */
     pk_real *held;

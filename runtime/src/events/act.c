@@ -65,11 +65,11 @@ static int happened(const struct pk_actor *a, size_t event)
     return event < a->system->events.n && a->happened[event] > 0;
 }
 
-static enum pk_status fail(struct pk_integrator *it, enum pk_status status, size_t index,
-                           size_t other)
+/* Fails at a gap that is negative before it was ever closed. */
+static enum pk_status fail(struct pk_integrator *it, size_t index, pk_real gap)
 {
     it->own->ready = 0;
-    return pk_fail_with(it, status, PK_WHY(.index = index, .other = other, .time = it->t));
+    return pk_fail_with(it, PK_PENETRATES, PK_WHY(.index = index, .value = gap, .time = it->t));
 }
 
 /* Finds the contacts whose gap is closed. A gap that has just been found closed by its event is. */
@@ -84,7 +84,7 @@ static enum pk_status touch(struct pk_actor *a, struct pk_integrator *it, struct
         if (x->kind != PK_CONTACT)
             continue;
         if (!on && !happened(a, x->event) && gap < -pk_max(within, WRITTEN) * size)
-            return fail(it, PK_PENETRATES, k, 0);
+            return fail(it, k, gap);
         a->touches[k] = on || a->u[x->mode + 2] > 0 || happened(a, x->event) || pk_abs(gap) <= within * size;
         a->seen[k].highest = pk_max(a->seen[k].highest, 0);
     }
@@ -181,6 +181,17 @@ static enum pk_status settle(struct pk_actor *a, struct pk_integrator *it, struc
     return PK_DONE;
 }
 
+/* What the projection leaves of rates that it takes away is rounding: these parts are at rest. */
+static void rest(struct pk_actor *a, const struct rows *r)
+{
+    pk_real *v = next_v(a), most = 0;
+    for (size_t k = 0; k < r->w.m; k++)
+        most = pk_max(most, PK_F(sqrt)(pk_project_mass(&r->w, k)) * pk_abs(a->before[k]));
+    for (size_t k = 0; k < r->w.m; k++)
+        if (PK_F(sqrt)(pk_project_mass(&r->w, k)) * pk_abs(v[k]) <= 64 * PK_EPS * most)
+            v[k] = 0;
+}
+
 /* Finds the motion after the state a->next: impulses, then modes. */
 static enum pk_status contacts(struct pk_actor *a, struct pk_integrator *it, pk_real within)
 {
@@ -197,7 +208,10 @@ static enum pk_status contacts(struct pk_actor *a, struct pk_integrator *it, pk_
     PK_TRY(strike(a, it, &r));
     PK_TRY(settle(a, it, &r));
     pk_copy(a->u, u, a->system->n_inputs);
-    return pk_constraint_project(it, it->t, a->next, next_v(a));
+    pk_copy(a->before, next_v(a), a->n);
+    PK_TRY(pk_constraint_project(it, it->t, a->next, next_v(a)));
+    rest(a, &r);
+    return PK_DONE;
 }
 
 static enum pk_status change(struct pk_actor *a, struct pk_integrator *it, pk_real within)
@@ -223,6 +237,9 @@ static enum pk_status change(struct pk_actor *a, struct pk_integrator *it, pk_re
     pk_zero(a->happened, system->events.n);
     PK_TRY(pk_integrator_reset(it, it->t, a->next, next_v(a)));
     pk_actor_watch(a, it);
+    /* the next step is as long as it would have been, since a first step is chosen too short */
+    if (a->events && a->events->tried > 0 && it->method->traits & PK_ADAPTIVE)
+        PK_TRY(pk_integrator_set_step(it, a->events->tried));
     it->event = stopped;
     return it->status = stopped ? PK_STOPPED_EVENT : PK_DONE;
 }
@@ -256,7 +273,7 @@ enum pk_status pk_actor_start(struct pk_actor *a, struct pk_integrator *it, pk_r
         a->u[table[k].mode] = table[k].kind == PK_LATCH && !(table[k].event < a->system->events.n);
         a->u[table[k].mode + 1] = a->u[table[k].mode + 2] = 0;
     }
-    return a->system->contacts.n ? change(a, it, WRITTEN) : PK_DONE;
+    return it->status = a->system->contacts.n ? change(a, it, WRITTEN) : PK_DONE;
 }
 
 enum pk_status pk_actor_run(struct pk_actor *a, struct pk_integrator *it)

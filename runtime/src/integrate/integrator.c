@@ -97,7 +97,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     memset(it->own, 0, sizeof *it->own);
     if (pk_missing_facts(system, method) || pk_missing_kernel(system, method) ||
         (system->n_inputs && (method->traits & PK_NO_INPUTS)) ||
-        (pk_rolls(system) && (method->traits & PK_HOLONOMIC)))
+        ((pk_rolls(system) || system->contacts.n) && (method->traits & PK_HOLONOMIC)))
         return pk_fail(it, PK_REFUSED, 0);
     if (pk_check_options(it) < 0)
         return it->status;
