@@ -46,7 +46,8 @@ struct pk_actor {
 
     /* Private to the runtime. */
     size_t n_q, n;
-    pk_real *work, *happened, *next, *values, *before, *A, *b, *x, *B, *touches, *state, *idle, *room;
+    pk_real most[3]; /* the largest coordinate, rate and acceleration so far, times sqrt(M_kk) */
+    pk_real *work, *happened, *next, *values, *before, *A, *b, *x, *B, *touches, *state, *idle, *floats, *room;
 };
 
 /* Returns the number of pk_real of work memory; 0 if nothing in the system acts. */

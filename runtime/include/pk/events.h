@@ -124,8 +124,8 @@ struct pk_events {
     /* for each event a number whose size is the rounding error of g: if |g| at the start of the
      * step is smaller than it, its sign is taken for that of g */
     pk_real *held;
-    /* for each limit (`stop` = 2), its value of g at the start if that is zero up to rounding;
-     * it is subtracted from g */
+    /* For each event a number that is subtracted from g: for a limit (`stop` = 2) its value at the
+     * start if that is zero up to rounding; of a contact see act.c. */
     pk_real *off;
     pk_real *room; /* work memory for impulses */
 };

@@ -5,10 +5,7 @@
 #include "act.h"
 #include "events.h"
 
-/* A gap below this fraction of its terms is closed, at a start and later. */
-#define WRITTEN PK_C(1e-8)
-#define CLOSED (PK_C(1e4) * PK_EPS)
-#define STILL (PK_C(1e3) * PK_EPS) /* a rate below this fraction of its terms is 0 */
+#define WRITTEN PK_C(1e-8) /* starts are written in few digits: a gap below this is closed */
 /* a bounce below this fraction of the highest one, as its height goes, ends in rest */
 #define LOW (64 * PK_EPS)
 
@@ -22,7 +19,7 @@ static size_t lay_out(struct pk_actor *a, const struct pk_problem *problem, pk_r
     const struct pk_slot slots[] = {
         {&seen, e * sizeof *a->seen / sizeof *seen}, {&a->happened, system->events.n},
         {&a->next, n_q + n + system->n_inputs}, {&a->before, n_q + n + system->n_inputs},
-        {&a->values, 5 * e}, {&a->touches, e}, {&a->state, e}, {&a->idle, e}, {&a->A, e ? c * c : 0},
+        {&a->values, 5 * e}, {&a->touches, e}, {&a->state, e}, {&a->idle, e}, {&a->floats, e}, {&a->A, e ? c * c : 0},
         {&a->b, c}, {&a->x, c}, {&a->B, e ? c * (c + 1) : 0},
         {&a->room, e ? pk_project_room(problem, n) : 0}};
     /* clang-format on */
@@ -80,21 +77,14 @@ static enum pk_status touch(struct pk_actor *a, struct pk_integrator *it, struct
         const struct pk_contact *x = &a->system->contacts.table[k];
         const pk_real gap = x->kind == PK_CONTACT ? r->w.phi[x->row] : 0;
         const pk_real size = x->kind == PK_CONTACT ? r->w.phi_size[x->row] : 0;
-        const int on = a->u[x->mode] > 0;
+        const int holds = a->u[x->mode] > 0 || a->u[x->mode + 2] > 0 || happened(a, x->event);
         if (x->kind != PK_CONTACT)
             continue;
-        if (!on && !happened(a, x->event) && gap < -pk_max(within, WRITTEN) * size)
+        if (!holds && gap < -WRITTEN * size - r->of_gap[x->row])
             return fail(it, k, gap);
-        a->touches[k] = on || a->u[x->mode + 2] > 0 || happened(a, x->event) || pk_abs(gap) <= within * size;
-        a->seen[k].highest = pk_max(a->seen[k].highest, 0);
+        a->touches[k] = holds || pk_abs(gap) <= within * size + r->of_gap[x->row];
     }
     return PK_DONE;
-}
-
-/* Returns whether the rate of a row is 0 up to rounding. */
-static int is_still(const struct rows *r, size_t row)
-{
-    return pk_abs(r->w.rate[row]) <= STILL * r->w.rate_size[row];
 }
 
 /* Changes the rates by impulses, if a closed gap still closes, or if a row that holds is left. */
@@ -107,8 +97,8 @@ static enum pk_status strike(struct pk_actor *a, struct pk_integrator *it, struc
                             a->system->contacts.table[k].kind == PK_CONTACT;
         if (k < a->system->contacts.n && !contact && !(a->u[r->mode[row]] > 0))
             continue;
-        if (contact ? a->touches[k] > 0 && r->w.rate[row] < 0 && !is_still(r, row)
-                    : a->system->contacts.modes[row] == 0 && !is_still(r, row))
+        if (contact ? a->touches[k] > 0 && r->w.rate[row] < 0 && !pk_act_still(r, row)
+                    : a->system->contacts.modes[row] == 0 && !pk_act_still(r, row))
             strikes = 1;
         if (k < a->system->contacts.n && a->system->contacts.table[k].kind == PK_LATCH &&
             happened(a, a->system->contacts.table[k].event))
@@ -144,13 +134,14 @@ static enum pk_status settle(struct pk_actor *a, struct pk_integrator *it, struc
     const struct pk_contact *table = a->system->contacts.table;
     int again = 1;
     for (size_t k = 0; k < e; k++)
-        if (!(a->touches[k] > 0) || (r->w.rate[table[k].row] > 0 && !is_still(r, table[k].row)))
+        if (!(a->touches[k] > 0) || (r->w.rate[table[k].row] > 0 && !pk_act_still(r, table[k].row)))
             a->seen[k].rests = (pk_real)NAN;
     while (again) {
         again = 0;
         for (size_t k = 0; k < e; k++) {
             const size_t row = table[k].row;
-            const int still = is_still(r, row) || happened(a, table[k].open);
+            const int still = pk_act_still(r, row) || happened(a, table[k].open) ||
+                              (table[k].kind == PK_FRICTION && happened(a, table[k].event));
             a->state[k] = table[k].kind == PK_CONTACT
                               ? a->touches[k] > 0 && (still || pk_finite(a->seen[k].rests))
                           : table[k].kind == PK_FRICTION && !still
@@ -160,13 +151,17 @@ static enum pk_status settle(struct pk_actor *a, struct pk_integrator *it, struc
         PK_TRY(pk_reactions(a, it, r));
         for (size_t k = 0; k < e; k++) {
             const int rises = table[k].kind == PK_CONTACT && a->touches[k] > 0 &&
-                              r->w.rate[table[k].row] > 0 && !is_still(r, table[k].row);
+                              r->w.rate[table[k].row] > 0 && !pk_act_still(r, table[k].row);
             if (rises && !pk_finite(a->seen[k].rests))
                 again |= is_low(a, r, k, it->t);
         }
     }
     for (size_t k = 0; k < e; k++) {
         pk_real *u = a->next + a->n_q + a->n + table[k].mode;
+        const size_t row = table[k].row;
+        /* what floats on its bound would cross it by rounding all the time */
+        const pk_real least = table[k].kind == PK_CONTACT ? r->of_gap[row] : r->of_rate[row];
+        a->floats[k] = a->floats[k] > 0 ? -4 * least - PK_TINY : 0;
         if (table[k].kind == PK_LATCH)
             continue;
         u[0] = pk_abs(a->state[k] - 1) <= 0;
@@ -251,10 +246,12 @@ void pk_actor_watch(struct pk_actor *a, const struct pk_integrator *it)
     const struct pk_part_contacts *all = &a->system->contacts;
     if (!a->events || !all->n)
         return;
-    for (size_t k = 0; k < all->n; k++)
-        if (all->table[k].kind != PK_LATCH)
-            a->events->held[all->table[k].event] = a->events->held[all->table[k].open] =
-                PK_INFINITY;
+    for (size_t k = 0; k < all->n; k++) {
+        if (all->table[k].kind == PK_LATCH)
+            continue;
+        a->events->held[all->table[k].event] = a->events->held[all->table[k].open] = PK_INFINITY;
+        a->events->off[all->table[k].event] = a->floats[k];
+    }
     pk_switches_leave(a->events, it);
 }
 
@@ -278,8 +275,7 @@ enum pk_status pk_actor_start(struct pk_actor *a, struct pk_integrator *it, pk_r
 
 enum pk_status pk_actor_run(struct pk_actor *a, struct pk_integrator *it)
 {
-    const enum pk_status status = change(a, it, CLOSED);
-    return it->status = status;
+    return it->status = change(a, it, 0);
 }
 
 void pk_actor_keep(struct pk_actor *a, struct pk_keep *k)

@@ -13,8 +13,16 @@ struct rows {
     struct pk_projection w; /* with all rows, whatever their modes */
     /* for each row the number of its contact, or contacts.n, and its mode */
     size_t of[PK_MOST_ROWS], mode[PK_MOST_ROWS];
+    /* rounding errors of gaps, rates and accelerations of the rows */
+    pk_real of_gap[PK_MOST_ROWS], of_rate[PK_MOST_ROWS], of_acceleration[PK_MOST_ROWS];
     pk_real acceleration[PK_MOST_ROWS];
 };
+
+/* Returns whether the rate of a row is 0 up to rounding. */
+static inline int pk_act_still(const struct rows *r, size_t row)
+{
+    return pk_abs(r->w.rate[row]) <= r->of_rate[row];
+}
 
 /* Computes the rows at a->next, and A = J M^-1 J^T. */
 enum pk_status pk_act_rows(struct pk_actor *a, struct pk_integrator *it, struct rows *r);

@@ -25,6 +25,7 @@ struct problem {
     size_t of[PK_MOST_ROWS];                   /* row of the contact that bounds it, or c */
     pk_real F[PK_MOST_ROWS], f[PK_MOST_ROWS];  /* bound while it slips */
     pk_real S[PK_MOST_ROWS], s[PK_MOST_ROWS];  /* bound while it holds */
+    const pk_real *least;                      /* rounding error of each y */
 };
 
 static pk_real push(const struct problem *p, size_t row)
@@ -99,14 +100,16 @@ static int turn(struct problem *p, size_t i, pk_real round)
     pk_real size;
     const pk_real y = result(p, i, &size), x = p->x[i];
     const pk_real bound = p->S[i] + p->s[i] * push(p, i);
+    const pk_real least = ROUND * size + p->least[i];
     const int was = p->state[i];
+    round += p->least[i] / p->A[i * p->c + i];
     if (p->kind[i] == PUSH && was == 1 && x < -round)
         p->state[i] = 0;
-    else if (p->kind[i] == PUSH && was == 0 && y < -ROUND * size)
+    else if (p->kind[i] == PUSH && was == 0 && y < -least)
         p->state[i] = 1;
     else if (p->kind[i] == RUB && was == 1 && pk_abs(x) > bound + round)
         p->state[i] = x > 0 ? -2 : 2;
-    else if (p->kind[i] == RUB && was != 1 && (was > 0 ? -y : y) > ROUND * size)
+    else if (p->kind[i] == RUB && was != 1 && (was > 0 ? -y : y) > least)
         p->state[i] = 1;
     return p->state[i] != was;
 }
@@ -126,6 +129,27 @@ static int complement(struct problem *p)
     return 0;
 }
 
+/* Computes the rounding errors of rows: relative to their terms, and to the largest numbers of the
+ * motion so far, since what is at rest has no size of its own. */
+static void sizes(struct pk_actor *a, struct rows *r)
+{
+    struct pk_projection *w = &r->w;
+    const pk_real *v = a->next + a->n_q, *numbers[3] = {a->next, v, a->before};
+    const int failed = w->system->acceleration(a->params, w->t, a->next, v, a->u, a->before);
+    for (int what = 0; what < 3 - (failed != 0); what++)
+        for (size_t k = 0; k < (what ? w->m : w->rotation); k++) {
+            const pk_real size = PK_F(sqrt)(pk_project_mass(w, k)) * pk_abs(numbers[what][k]);
+            a->most[what] = pk_finite(size) ? pk_max(a->most[what], size) : a->most[what];
+        }
+    pk_project_slopes(w, a->next, v, w->J, w->c, w->mu);
+    for (size_t i = 0; i < w->c; i++) {
+        const int gap = i < w->system->constraints.n_holonomic;
+        r->of_gap[i] = gap ? ROUND * (w->phi_size[i] + w->mu[i] * a->most[0]) : 0;
+        r->of_rate[i] = ROUND * (w->rate_size[i] + w->mu[i] * a->most[1]);
+        r->of_acceleration[i] = ROUND * w->mu[i] * a->most[2];
+    }
+}
+
 enum pk_status pk_act_rows(struct pk_actor *a, struct pk_integrator *it, struct rows *r)
 {
     const struct pk_part_contacts *all = &a->system->contacts;
@@ -140,6 +164,7 @@ enum pk_status pk_act_rows(struct pk_actor *a, struct pk_integrator *it, struct 
         return it->status = pk_eval_failed(it, it->t, a->next, v, singular);
     pk_project_rows(w, a->next, v);
     pk_project_terms(w, a->next, v);
+    sizes(a, r);
     for (size_t i = 0; i < w->c; i++) {
         r->of[i] = all->n;
         r->acceleration[i] = 0;
@@ -159,7 +184,8 @@ enum pk_status pk_act_rows(struct pk_actor *a, struct pk_integrator *it, struct 
 
 static struct problem problem_of(struct pk_actor *a, const struct rows *r)
 {
-    struct problem p = {.c = r->w.c, .A = a->A, .b = a->b, .x = a->x, .B = a->B};
+    struct problem p = {
+        .c = r->w.c, .A = a->A, .b = a->b, .x = a->x, .B = a->B, .least = r->of_acceleration};
     const struct pk_part_contacts *all = &a->system->contacts;
     for (size_t i = 0; i < p.c; i++) {
         const size_t k = r->of[i];
@@ -214,6 +240,7 @@ static int impulses(struct pk_actor *a, const struct rows *r, const pk_real *rat
     const struct pk_part_contacts *all = &a->system->contacts;
     struct problem p = problem_of(a, r);
     pk_real first[PK_MOST_ROWS];
+    p.least = r->of_rate;
     int expands = 0;
     for (size_t i = 0; i < p.c; i++) {
         const size_t k = r->of[i];
@@ -321,8 +348,11 @@ enum pk_status pk_reactions(struct pk_actor *a, struct pk_integrator *it, struct
     int found = complement(&p), ends = 0;
     for (size_t i = 0; i < p.c && found; i++) { /* a row whose force reached its bound lets go */
         const size_t k = r->of[i];
-        const int over = k < all->n && all->table[k].open < a->system->events.n &&
-                         a->happened[all->table[k].open] > 0 && p.state[i] == 1;
+        const pk_real nothing = 10 * r->of_acceleration[i] / p.A[i * p.c + i];
+        const int over = k < all->n && p.state[i] == 1 &&
+                         ((all->table[k].open < a->system->events.n &&
+                           a->happened[all->table[k].open] > 0) ||
+                          (p.kind[i] == PUSH && p.x[i] <= nothing));
         if (over && p.kind[i] == PUSH)
             p.state[i] = 0, ends = 1;
         else if (over && p.kind[i] == RUB)
@@ -338,6 +368,8 @@ enum pk_status pk_reactions(struct pk_actor *a, struct pk_integrator *it, struct
         r->acceleration[i] = result(&p, i, &size);
         if (k == all->n)
             continue;
+        a->floats[k] = p.kind[i] != OUT && p.kind[i] != SLIP && p.state[i] != 1 &&
+                       pk_abs(r->acceleration[i]) <= ROUND * size + 10 * r->of_acceleration[i];
         a->idle[k] = depends[i] && p.kind[i] != OUT && p.kind[i] != SLIP;
         a->state[k] = p.state[i] == 1 && depends[i] ? 0 : p.state[i];
         if (all->table[k].kind == PK_FRICTION && p.of[i] < p.c && !(push(&p, i) > 0))
