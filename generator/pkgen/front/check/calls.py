@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import reduce
 
 from ...functions import FUNCTIONS, VECTOR_FUNCTIONS, WRITTEN_OUT
-from ...indices import integer
+from ...indices import indexed, integer
 from ...model import Exact
 from ...source import Span
 from ...system.near import meant
@@ -28,6 +28,9 @@ class Calls(RotationCalls):
         super().__init__(*given, **more)
         self.tables: dict[str, tuple[str, bool, tuple[Dimension, ...]]] = {}
         self.powers: dict[str, tuple[Expr, Range | None]] = {}  # by name of a force
+        # The energy lost in a contact, friction or latch by its name, and those that are asked for.
+        self.losses: dict[str, Checked] = {}
+        self.lost: set[str] = set()
         self.exacts: list[Exact] = []  # closed forms that are valid at the place being checked
 
     def call(self, expr: Call, scope: Scope) -> Checked:
@@ -36,6 +39,8 @@ class Calls(RotationCalls):
             return self._of_run(expr)
         if function == "power" and len(expr.arguments) == 1:
             return self._power(expr, scope)
+        if function == "loss" and len(expr.arguments) == 1:
+            return self._loss(expr, scope)
         if function == "error" and len(expr.arguments) == 1:
             return self._error(expr, scope)
         if function in ROTATIONS:  # The arguments may be rotations.
@@ -127,6 +132,21 @@ class Calls(RotationCalls):
         if range_ is not None:
             value = of_member(value, range_.variable, argument.index)
         return value, entry.facts
+
+    def _loss(self, expr: Call, scope: Scope) -> Checked:
+        """Checks loss(NAME), the energy that a contact, a friction or a latch has taken so far."""
+        (argument,) = expr.arguments
+        name = argument.id if isinstance(argument, Name) else ""
+        if isinstance(argument, Name) and argument.index is not None:
+            index = self.indices.value(argument.index, Scope(PLACES["size"]))
+            name = indexed(name, index) if index is not None else name
+        if name not in self.losses:
+            help = meant(name, self.losses) or "of one that stands above: contact floor: y >= 0"
+            raise Wrong("loss(…) takes the name of a contact, a friction or a mode", help, argument)
+        if not scope.place.accelerations:
+            raise Wrong(f"{scope.place.what} cannot use a loss")
+        self.lost.add(name)
+        return self.losses[name]
 
     def _of_table(self, expr: Call, parts: list[Checked], scope: Scope) -> Checked:
         """Checks the value of a table. It is not known before a run, since a run may bring data."""

@@ -13,6 +13,7 @@ from fractions import Fraction
 
 from ... import model as m
 from ...indices import indexed, multipliers, parted, unrolled
+from ...source import Span
 from ...tree import Add, Expr, Name, Number, Prime, of_member
 from .. import statements as st
 from .. import units
@@ -60,6 +61,9 @@ class Contacts(Settings):
         if self.names.declare(Entry(left.name, "contact", facts, place, members, used=True)):
             name = multipliers(left.name)[0]
             self.names.declare(Entry(name, "multiplier", multiplier, place, members))
+        for name in self._members(left):
+            rubs = f"{name}.rub" if statement.mu is not None else ""
+            self._loses(name, f"{name}.lost", rubs, left.span)
         given = gap, restitution, mu, along, statement.poisson, unit
         said = statement.description, statement.span
         made = m.Contact(left.name, left.index, left.range, *given, *said)
@@ -103,6 +107,21 @@ class Contacts(Settings):
         known = dimension is not None
         return Facts(per, united=True, known=known, coordinates=everything, rates=everything)
 
+    def _members(self, left: st.Left) -> list[str]:
+        ends = self.members_of(left) if left.range or left.index else None
+        return [left.name] if ends is None else [
+            indexed(left.name, i) for i in range(ends[0], ends[1] + 1)
+        ]
+
+    def _loses(self, name: str, cell: str, friction: str, at: Span) -> None:
+        """Makes loss(NAME) known: the sum of an input and of the state of a friction."""
+        parts = [Name(x, None, at) for x in (cell, friction and f"loss({friction})") if x]
+        states = frozenset((f"loss({friction})",) if friction else ())
+        inputs = {cell: 0} if cell else {}
+        facts = Facts(self.energy_dimension, united=True, states=states, inputs=inputs)
+        sum_ = Add(tuple(parts), (1,) * len(parts), at) if len(parts) > 1 else parts[0]
+        self.expressions.losses[name] = sum_, facts
+
     def friction(self, statement: st.Friction) -> None:
         left = statement.left
         scope, _ = self.left_scope(left, "friction")
@@ -128,6 +147,8 @@ class Contacts(Settings):
         members = Members(self.members_of(left)) if left.range or left.index else None
         name = multipliers(left.name)[0]
         self.names.declare(Entry(name, "multiplier", multiplier, name_span(left), members))
+        for each in self._members(left):
+            self._loses(each, "", each, left.span)
         given = slip, value, static, si_text(wanted or NONE)
         said = statement.description, statement.span
         made = m.Friction(left.name, left.index, left.range, *given, *said)
@@ -150,6 +171,7 @@ class Contacts(Settings):
         if statement.on is None and statement.off is None:
             help = "mode foot: constraint a on at landing off at lift"
             self.error("a mode begins or ends at an event", statement.name_span, help)
+        self._loses(statement.name, f"{statement.name}.lost", "", statement.name_span)
         names = tuple(left.name for left in statement.constraints)
         self.parts["modes"].append(m.Mode(statement.name, names, on, off, statement.span))
 
@@ -177,6 +199,8 @@ class Contacts(Settings):
             held = written("a^2 - b^2", x.span, x.static or x.value, _multiplier(x))
             self._event(f"2{x.name}", slip, x, 0)
             self._event(f"3{x.name}", held, x, 1)
+            if (x.of or x.name) in self.expressions.lost:
+                self._work(x)
         for x in self.parts["modes"]:
             self._inputs(x, "lost", self.energy_dimension)
         self.parts["contacts"], self.parts["frictions"] = contacts, frictions
@@ -203,6 +227,15 @@ class Contacts(Settings):
             name = f"{x.name}.{end}"
             self.sampled[name] = x.name
             self.parts["inputs"].append(m.Input(name, 0, (si_text(of),), "", x.span, x.name))
+
+    def _work(self, x: m.Friction) -> None:
+        """Adds the state that sums up the work of a friction that slips."""
+        names = (_of(x, f"{x.name}.{end}") for end in ("side", "slip"))
+        value = written("a*b*c", x.span, *names, x.value)
+        units = si_text(self.energy_dimension), si_text(self.power_dimension)
+        name = f"loss({x.name})"
+        self.parts["states"].append(m.State(name, None, *units, "", x.span))
+        self.parts["rates"].append(m.Rate(name, None, None, value, x.span))
 
     def _event(
         self, name: str, value: Expr, x: m.Contact | m.Friction, when: int, description: str = ""

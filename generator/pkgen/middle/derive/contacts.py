@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from ...equations import Meeting, Quantity, Rows
+from ...equations import Constraints, Meeting, Quantity, Rows
 from ...graph.differentiate import gradient, symbols_in
 from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Symbol
 from ...graph.normal import Normal
@@ -35,20 +35,38 @@ def with_meetings(x: Expander, rows: Rows | None) -> Rows | None:
         return rows
     places: list[tuple] = []
     rates: list[tuple] = []
-    pushes = [
-        x.graph.symbol(Symbol(Kind.ACCELERATION, x.count + k)) for k in range(len(model.contacts))
-    ]
-    for item, push in zip(model.contacts, pushes, strict=True):
+    for item in model.contacts:
         with x.statement(item.span):
             gap = x.scalar(item.gap)
             places.append((item, gap, x.derivative(gap)))
-        x.define(*parted(multipliers(item.name)[0]), push)
     for item in model.frictions:
+        slip = x.defined[f"{item.name}.slip"][None]
+        rates.append((item, slip, slip))
+    return _joined(x, rows, places, rates, pushes(x))
+
+
+def pushes(x: Expander) -> list[Node]:
+    """Returns symbols that stand for the multipliers of the contacts until these are known."""
+    count = len(x.model.contacts)
+    return [x.graph.symbol(Symbol(Kind.ACCELERATION, x.count + k)) for k in range(count)]
+
+
+def with_multipliers(x: Expander, c: Constraints, rates: dict[Node, Node]) -> dict[Node, Node]:
+    """Returns the rates of states with the multipliers in place of their symbols."""
+    known = dict(zip((q.name for q in c.names), c.multipliers, strict=True))
+    found = [known[multipliers(item.name)[0]] for item in x.model.contacts]
+    swap = dict(zip(pushes(x), found, strict=True))
+    return dict(zip(rates, substituted(x.graph, rates.values(), swap), strict=True))
+
+
+def define_contacts(x: Expander) -> None:
+    """Defines the multipliers of contacts by symbols, and the slips of frictions."""
+    for item, push in zip(x.model.contacts, pushes(x), strict=True):
+        x.define(*parted(multipliers(item.name)[0]), push)
+    for item in x.model.frictions:
         with x.statement(item.span):
             slip = _tangent(x, item) if item.slip is None else x.scalar(item.slip)
             x.define(f"{item.name}.slip", None, slip)
-            rates.append((item, slip, slip))
-    return _joined(x, rows, places, rates, pushes)
 
 
 def _joined(x: Expander, rows: Rows | None, places: list, rates: list, pushes: list) -> Rows:

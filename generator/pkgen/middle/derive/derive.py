@@ -37,7 +37,7 @@ from ..quantities import (
 from .constrain import CannotConstrain
 from .constraint_start import at_the_start
 from .constraints import cannot_constrain, define_multipliers, rows_of
-from .contacts import with_meetings
+from .contacts import define_contacts, with_meetings, with_multipliers
 from .first_degree import rates_of_first_degree
 from .first_order import define_built_in, rates_of_states
 from .impulses import check_rates
@@ -63,6 +63,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     of_first_degree: dict[int, Node] = {}
     if model.lagrangian and not model.coordinates:
         of_first_degree, energies = rates_of_first_degree(x, energies.lagrangian)
+    define_contacts(x)
     rates = rates_of_states(x, energies, of_first_degree)
     forces = tuple(substituted(x.graph, _generalized_forces(x), rates))
     parameters = tuple(slot for item in model.parameters for slot in _slots(x, item))
@@ -121,6 +122,9 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
             model.span,
             "with states in the kinetic energy no more than some 20 coordinates can be coupled",
         )
+    if model.contacts and rates:  # losses are states whose rates have multipliers
+        rates = with_multipliers(x, found.constraints, rates)
+        found.fields["state_rates"] = tuple(rates.values())
     # A copy of the nodes whose time derivatives have been taken so far. The time derivatives in
     # outputs, which are taken below, need no check since outputs do not affect the motion.
     primes = x.primes[:]
