@@ -19,7 +19,15 @@ PLAIN = frozenset(("acceleration", "energy", "force", "mass", "observe"))
 CANONICAL = frozenset(("hamiltonian", "hamilton", "hamilton_force"))
 # Kernels with which the runtime keeps constraints: generated even if a user selects other kernels.
 _OF_CONSTRAINTS = frozenset(
-    "constraint constraint_jacobian residual_scale inertia redundant multipliers meeting".split()
+    [
+        "constraint",
+        "constraint_jacobian",
+        "residual_scale",
+        "inertia",
+        "redundant",
+        "multipliers",
+        "meeting",
+    ]
 )
 # Kernels with which the runtime finds the rates after an impulse.
 _OF_IMPULSES = frozenset(("corner", "energy", "unconstrained", "inertia"))

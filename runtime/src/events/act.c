@@ -144,9 +144,8 @@ static enum pk_status settle(struct pk_actor *a, struct pk_integrator *it, struc
                               (table[k].kind == PK_FRICTION && happened(a, table[k].event));
             a->state[k] = table[k].kind == PK_CONTACT
                               ? a->touches[k] > 0 && (still || pk_finite(a->seen[k].rests))
-                          : table[k].kind == PK_FRICTION && !still
-                              ? (r->w.rate[row] > 0 ? 2 : -2)
-                              : 1;
+                          : table[k].kind == PK_FRICTION && !still ? (r->w.rate[row] > 0 ? 2 : -2)
+                                                                   : 1;
         }
         PK_TRY(pk_reactions(a, it, r));
         for (size_t k = 0; k < e; k++) {

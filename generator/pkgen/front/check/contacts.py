@@ -20,11 +20,12 @@ from .. import units
 from ..units import NONE, Dimension, si_text
 from .expr import Target
 from .names import UNKNOWN, Entry, Facts, Members
-from .scope import PLACES, Scope
+from .scope import Scope
 from .settings import Settings
 from .shared import name_span
 from .written import written
 
+Meeting = m.Contact | m.Friction
 _SLIPS = ("coordinate", "definition")
 MOST = 64  # rows of constraints beside contacts: PK_MOST_ROWS of runtime/src/events/act.h
 
@@ -71,9 +72,7 @@ class Contacts(Settings):
 
     contact = impact
 
-    def _number(
-        self, what: str, value: Expr | None, scope: Scope, most: int | None
-    ) -> Expr | None:
+    def _number(self, what: str, value: Expr | None, scope: Scope, most: int | None) -> Expr | None:
         """Checks a coefficient, a number from 0 to `most`, of parameters, places and t."""
         if value is None:
             return None
@@ -109,9 +108,9 @@ class Contacts(Settings):
 
     def _members(self, left: st.Left) -> list[str]:
         ends = self.members_of(left) if left.range or left.index else None
-        return [left.name] if ends is None else [
-            indexed(left.name, i) for i in range(ends[0], ends[1] + 1)
-        ]
+        if ends is None:
+            return [left.name]
+        return [indexed(left.name, i) for i in range(ends[0], ends[1] + 1)]
 
     def _loses(self, name: str, cell: str, friction: str, at: Span) -> None:
         """Makes loss(NAME) known: the sum of an input and of the state of a friction."""
@@ -210,7 +209,7 @@ class Contacts(Settings):
             help = "one contact may be with the nearest of many: min(a, b, c) >= 0"
             self.error(message, (contacts + frictions)[-1], help)
 
-    def _each(self, kind: str, exprs: tuple[str, ...]) -> Iterator[m.Contact | m.Friction]:
+    def _each(self, kind: str, exprs: tuple[str, ...]) -> Iterator[Meeting]:
         """Yields the statements of a kind, a family member by member."""
         for item in self.parts[kind]:
             for index, _ in unrolled(item, self.sizes):
@@ -221,7 +220,7 @@ class Contacts(Settings):
                 name = indexed(item.name, index)
                 yield replace(item, name=name, index=None, range=None, **values)
 
-    def _inputs(self, x: m.Contact | m.Friction | m.Mode, second: str, dimension: Dimension) -> None:
+    def _inputs(self, x: Meeting | m.Mode, second: str, dimension: Dimension) -> None:
         """Adds the inputs of x; see struct pk_contact in runtime/include/pk/system_singular.h."""
         for end, of in (("on", NONE), (second, dimension), ("idle", NONE)):
             name = f"{x.name}.{end}"
@@ -237,18 +236,16 @@ class Contacts(Settings):
         self.parts["states"].append(m.State(name, None, *units, "", x.span))
         self.parts["rates"].append(m.Rate(name, None, None, value, x.span))
 
-    def _event(
-        self, name: str, value: Expr, x: m.Contact | m.Friction, when: int, description: str = ""
-    ) -> None:
+    def _event(self, name: str, value: Expr, x: Meeting, when: int, description: str = "") -> None:
         made = m.Event(name, value, -1, False, "", description, x.span, mode=x.name, when=when)
         self.parts["events"].append(made)
 
 
-def _of(x: m.Contact | m.Friction, name: str) -> Name:
+def _of(x: Meeting, name: str) -> Name:
     return Name(name, None, x.span)
 
 
-def _multiplier(x: m.Contact | m.Friction) -> Name:
+def _multiplier(x: Meeting) -> Name:
     """Returns the multiplier of a contact or a friction, which may be a member of a family."""
     name, index = parted(x.name)
     at = None if index is None else Number(Fraction(index), x.span)

@@ -170,9 +170,7 @@ class Dynamics(Checks):
         made = m.Event(statement.name, value, *how, *shown, statement.limit, tuple(then))
         self.parts["events"].append(made)
 
-    def _after(
-        self, item: st.StartItem, then: tuple[st.StartItem, ...]
-    ) -> tuple[m.Start, ...]:
+    def _after(self, item: st.StartItem, then: tuple[st.StartItem, ...]) -> tuple[m.Start, ...]:
         """Checks a value after an event: of what moves, or of a memory cell."""
         left, scope = item.left, Scope(PLACES["then"])
         same = [x for x in then if x.order == item.order and x.function == item.function]

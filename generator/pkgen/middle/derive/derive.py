@@ -37,7 +37,7 @@ from ..quantities import (
 from .constrain import CannotConstrain
 from .constraint_start import at_the_start
 from .constraints import cannot_constrain, define_multipliers, rows_of
-from .contacts import define_contacts, with_meetings, with_multipliers
+from .contacts import define_contacts, with_meetings, with_multipliers, without_latches
 from .first_degree import rates_of_first_degree
 from .first_order import define_built_in, rates_of_states
 from .impulses import check_rates
@@ -79,6 +79,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         states=quantities(model.states, x.states, "{}", "unit"),
     )
     declared_rows, left_out = rows_of(x)
+    declared_rows, latched = without_latches(x, declared_rows)
     rows, wrong = at_the_start(
         x.graph,
         declared_rows,
@@ -91,7 +92,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     )
     if wrong:
         raise ModelError(model.source, wrong)
-    rows = with_meetings(x, rows)
+    rows = with_meetings(x, rows, latched)
     bodies = None
     if wanted.named(PARTICLES):
         from ..particles.masses import Given
