@@ -19,15 +19,8 @@ PLAIN = frozenset(("acceleration", "energy", "force", "mass", "observe"))
 CANONICAL = frozenset(("hamiltonian", "hamilton", "hamilton_force"))
 # Kernels with which the runtime keeps constraints: generated even if a user selects other kernels.
 _OF_CONSTRAINTS = frozenset(
-    [
-        "constraint",
-        "constraint_jacobian",
-        "residual_scale",
-        "inertia",
-        "redundant",
-        "multipliers",
-        "meeting",
-    ]
+    ("constraint", "constraint_jacobian", "residual_scale", "inertia", "redundant", "multipliers")
+    + ("meeting",)
 )
 # Kernels with which the runtime finds the rates after an impulse.
 _OF_IMPULSES = frozenset(("corner", "energy", "unconstrained", "inertia"))

@@ -194,7 +194,7 @@ class Contacts(Settings):
         for x in frictions:
             self._inputs(x, "side", NONE)
             of = (_of(x, f"{x.name}.{end}") for end in ("side", "slip"))
-            slip = written("a*b + 1 - a^2", x.span, *of)
+            slip = written("select(a^2, a*b, 1)", x.span, *of)
             held = written("a^2 - b^2", x.span, x.static or x.value, _multiplier(x))
             self._event(f"2{x.name}", slip, x, 0)
             self._event(f"3{x.name}", held, x, 1)

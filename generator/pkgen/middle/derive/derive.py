@@ -288,8 +288,7 @@ def _events(x: Expander, found: Derived) -> Row:
             if item.mode:  # 1 while it cannot happen
                 on, idle = (x.input(f"{item.mode}.{end}") for end in ("on", "idle"))
                 can = on if item.when else x.graph.subtract(ONE, x.graph.add(on, idle))
-                other = x.graph.subtract(ONE, can)
-                node = x.graph.add(x.graph.multiply(can, node), other)
+                node = x.graph.call("select", can, node, ONE)
             nodes.append(node)
     refuse_constant(x.model, x.graph, nodes)
     return tuple(nodes)
