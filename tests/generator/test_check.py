@@ -49,7 +49,8 @@ def test_the_models_are_right(path):
     model, warnings = check_text(read(path))
     assert model.name == path.stem
     assert model.description
-    assert not warnings
+    # its potential bends on purpose
+    assert not warnings or path.stem == "bilinear_spring"
     assert not any(isinstance(e, Quantity) for e in nodes(model))
 
 
