@@ -102,7 +102,7 @@ class Calls(RotationCalls):
     def _time_of(self, argument: Expr) -> Facts:
         name = argument.id if isinstance(argument, Name) else ""
         entry = self.names.table.get(name)
-        if entry is not None and entry.kind == "event":
+        if entry is not None and (entry.kind == "event" or name in self.losses):
             return Facts(self.time_dimension)
         if entry is not None and entry.kind == "poisoned":
             raise Wrong
