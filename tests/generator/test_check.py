@@ -54,6 +54,12 @@ def test_the_models_are_right(path):
     assert not any(isinstance(e, Quantity) for e in nodes(model))
 
 
+def test_an_end_of_bounds_is_the_double_that_is_set():
+    """-0.1 is not the fraction -1/10."""
+    text = HEAD + "param p = 0 in [-0.1, 0.1]\nscene a\n set p = -0.1\n until 1\nend\n"
+    assert model_of(text).scenes[0].assignments
+
+
 def test_units_become_factors():
     model = model_of(HEAD + "param a = 30 [cm]\nparam b = 48 [deg]\nparam c = 2*m [kg]\n")
     a, b, c = model.parameters[3:]
