@@ -266,7 +266,7 @@ enum pk_status pk_actor_start(struct pk_actor *a, struct pk_integrator *it, pk_r
     a->stopped = 0;
     for (size_t k = 0; k < a->system->contacts.n; k++) {
         a->seen[k].rests = a->seen[k].last = (pk_real)NAN;
-        a->u[table[k].mode] = table[k].kind == PK_LATCH && !(table[k].event < a->system->events.n);
+        a->u[table[k].mode] = table[k].kind == PK_LATCH && table[k].flag;
         a->u[table[k].mode + 1] = a->u[table[k].mode + 2] = 0;
     }
     return it->status = a->system->contacts.n ? change(a, it, WRITTEN) : PK_DONE;

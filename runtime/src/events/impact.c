@@ -246,7 +246,7 @@ static int impulses(struct pk_actor *a, const struct rows *r, const pk_real *rat
         const size_t k = r->of[i];
         const struct pk_contact *of = k < all->n ? &all->table[k] : NULL;
         const pk_real restitution = of && of->kind == PK_CONTACT ? a->values[5 * k + 1] : 0;
-        const int poisson = of && of->kind == PK_CONTACT && of->poisson;
+        const int poisson = of && of->kind == PK_CONTACT && of->flag;
         a->b[i] = rate[i];
         p.F[i] = p.S[i] = 0; /* finite forces give no impulse */
         p.s[i] = p.f[i];
@@ -270,7 +270,7 @@ static int impulses(struct pk_actor *a, const struct rows *r, const pk_real *rat
         return 1;
     for (size_t i = 0; i < p.c; i++) { /* Poisson: impulses of compression come back, e-fold */
         const size_t k = r->of[i];
-        const int back = p.kind[i] == PUSH && all->table[k].poisson;
+        const int back = p.kind[i] == PUSH && all->table[k].flag;
         first[i] = back ? a->values[5 * k + 1] * x[i] : 0;
     }
     for (size_t i = 0; i < p.c; i++) {

@@ -17,7 +17,17 @@ from ..units import NONE, Dimension
 from . import values as values_of
 from .checking import Checked
 from .conditions import truth
-from .names import ROTATIONS, SPECIAL, UNKNOWN, Facts, Members, Wrong, callable_names, joined
+from .names import (
+    EVENTS,
+    ROTATIONS,
+    SPECIAL,
+    UNKNOWN,
+    Facts,
+    Members,
+    Wrong,
+    callable_names,
+    joined,
+)
 from .rotations import RotationCalls
 from .scope import PLACES, Scope
 from .written import written
@@ -31,6 +41,7 @@ class Calls(RotationCalls):
         # The energy lost in a contact, friction or latch by its name, and those that are asked for.
         self.losses: dict[str, Checked] = {}
         self.lost: set[str] = set()
+        self.begins: dict[str, bool] = {}  # whether a mode is on at the start
         self.exacts: list[Exact] = []  # closed forms that are valid at the place being checked
 
     def call(self, expr: Call, scope: Scope) -> Checked:
@@ -102,11 +113,11 @@ class Calls(RotationCalls):
     def _time_of(self, argument: Expr) -> Facts:
         name = argument.id if isinstance(argument, Name) else ""
         entry = self.names.table.get(name)
-        if entry is not None and (entry.kind == "event" or name in self.losses):
+        if entry is not None and entry.kind in EVENTS:
             return Facts(self.time_dimension)
         if entry is not None and entry.kind == "poisoned":
             raise Wrong
-        events = [n for n, e in self.names.table.items() if e.kind == "event"]
+        events = [n for n, e in self.names.table.items() if e.kind in EVENTS]
         help = f"the events are: {', '.join(events)}" if events else "declare it by 'event'"
         help = meant(name, events) or help
         raise Wrong("time(…) takes an event: when it first happens", help, argument)

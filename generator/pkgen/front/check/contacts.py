@@ -172,7 +172,8 @@ class Contacts(Settings):
             self.error("a mode begins or ends at an event", statement.name_span, help)
         self._loses(statement.name, f"{statement.name}.lost", "", statement.name_span)
         names = tuple(left.name for left in statement.constraints)
-        self.parts["modes"].append(m.Mode(statement.name, names, on, off, statement.span))
+        given = statement.name, names, on, off, statement.span
+        self.parts["modes"].append(m.Mode(*given, begins=not on))
 
     def finish(self) -> None:
         """Writes families out, and adds what contacts, frictions and modes stand for: inputs that
@@ -200,8 +201,15 @@ class Contacts(Settings):
             self._event(f"3{x.name}", held, x, 1)
             if (x.of or x.name) in self.expressions.lost:
                 self._work(x)
-        for x in self.parts["modes"]:
+        for k, x in enumerate(self.parts["modes"]):
             self._inputs(x, "lost", self.energy_dimension)
+            for i, event in enumerate(self.parts["events"]):
+                if event.name == x.on and not event.mode:
+                    self.parts["events"][i] = replace(event, mode=x.name)
+                elif event.name == x.off:
+                    self.parts["events"][i] = replace(event, ends=True)
+            begins = self.expressions.begins.get(x.name, x.begins)
+            self.parts["modes"][k] = replace(x, begins=begins)
         self.parts["contacts"], self.parts["frictions"] = contacts, frictions
         count = len(contacts) + len(frictions) + len(self.parts["constraints"])
         if contacts + frictions and count > MOST:

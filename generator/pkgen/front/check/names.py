@@ -25,6 +25,7 @@ _UNITS = frozenset(("kg", "cm", "mm", "km", "Hz", "Pa", "rad", "deg", "ohm", "N"
 BUILT_IN = ("T", "V", "L", "energy")
 ROTATIONS = frozenset(("omega", "rot", "inverse", "euler", "tait_bryan"))
 NAMED = ("omega", "power", "error", "loss")  # functions of a name, whose calls are columns
+EVENTS = ("event", "contact")  # kinds of names that are events
 SPECIAL = ROTATIONS | {"sum", "drift", "time", "power", "error", "loss", "if", "integral"}
 
 

@@ -115,7 +115,7 @@ def _contact(x: Expander, item: Contact, number: dict[str, int]) -> Meeting:
         mode=x.input(f"{item.name}.on"),
         events=(item.name, f"1{item.name}"),
         bounds=(restitution, ZERO, ZERO, ZERO),
-        poisson=item.poisson,
+        flag=item.poisson,
     )
 
 
@@ -157,6 +157,7 @@ def _latch(x: Expander, mode: Mode, row: int) -> Meeting:
         mode=x.input(f"{mode.name}.on"),
         events=(mode.on, mode.off),
         bounds=(ZERO,) * 4,
+        flag=mode.begins,
     )
 
 

@@ -285,10 +285,10 @@ def _events(x: Expander, found: Derived) -> Row:
     for item in x.model.events:
         with x.statement(item.span):
             node = _solved(x, x.scalar(item.value), found, item.span)
-            if item.mode:  # 1 while it cannot happen
+            if item.mode:  # a number that does not cross 0 while it cannot happen
                 on, idle = (x.input(f"{item.mode}.{end}") for end in ("on", "idle"))
                 can = on if item.when else x.graph.subtract(ONE, x.graph.add(on, idle))
-                node = x.graph.call("select", can, node, ONE)
+                node = x.graph.call("select", can, node, x.graph.number(-item.direction or 1))
             nodes.append(node)
     refuse_constant(x.model, x.graph, nodes)
     return tuple(nodes)
