@@ -285,6 +285,7 @@ class Equations:
     terms: tuple[Row, Row] | None = None  # for C: magnitudes of the terms of phi and of J v + j0
     redundant_terms: Row = ()  # for C: these magnitudes for redundant rows, phi then J v + j0
     particles: Particles | None = None  # None: not requested
+    flight: Equations | None = None  # for C: these while no contact, friction or latch holds
     fast: Row | None = None  # acceleration by the `fast` terms of V; None if no term is fast
 
     @property

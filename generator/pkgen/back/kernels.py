@@ -31,6 +31,7 @@ def needed_kernels(
     """Returns the kernels of `wanted` (None: all) that the model has, and the kernels that they
     call; unless `plain`, also the kernels that the runtime itself calls."""
     known = {n for n, spec in KERNELS.items() if n != "start" and spec.exists(equations)}
+    known -= {f"{name}_free" for name in OF_FLIGHT}
     asked = known if wanted is None else known & wanted
     if wanted is not None and not plain:
         asked |= known & CANONICAL
@@ -42,7 +43,8 @@ def needed_kernels(
     if "acceleration" in asked and equations.acceleration is None:
         asked |= {"mass", "force"}
     asked |= {event.kernel for event in equations.model.resetting}
-    asked |= {"meeting"} if equations.model.meets else set()
+    if equations.model.meets:
+        asked |= {"meeting", *(f"{name}_free" for name in asked & {*OF_FLIGHT})}
     if equations.sampled:
         asked |= {"sampling", *(block.kernel for block in equations.model.samples)}
     return frozenset(asked)
@@ -70,6 +72,18 @@ def _canonical(
         "int",
         checks=lambda e: pivot_checks(e.graph, "MASS", e.hamiltonian.pivots),
         second="momenta",
+    )
+
+
+def _of_flight(name: str) -> KernelSpec:
+    """Returns the kernel that another one calls while no contact holds: it is much shorter."""
+    says = f"what {name} is while no contact, friction or latch holds"
+    return KernelSpec(
+        f"{name}_free",
+        says,
+        lambda e: e.flight and KERNELS[name].values(e.flight),
+        KERNELS[name].result,
+        checks=lambda e: KERNELS[name].checks(e.flight),
     )
 
 
@@ -227,6 +241,8 @@ _SPECS = (
     KernelSpec("start", "initial values", lambda e: {"q": e.start_q, "v": e.start_v}),
 )
 KERNELS: dict[str, KernelSpec] = {spec.name: spec for spec in _SPECS}
+OF_FLIGHT = ("acceleration", "canonical", "event")
+KERNELS = {f"{name}_free": _of_flight(name) for name in OF_FLIGHT} | KERNELS
 
 
 def kernel(name: str) -> KernelSpec:

@@ -96,7 +96,7 @@ _VECTORS = {
     **dict.fromkeys(("v", "dHdp"), lambda e, _: e.rates),
     "H": lambda e, _: [Quantity("H", "" if e.model.dimensionless else "J", "")],
     "lambda_out": lambda e, _: e.constraints.names,
-    "out": lambda e, kernel: _OUT[kernel.name](e),
+    "out": lambda e, kernel: _OUT[kernel.name.removesuffix("_free")](e),
 }
 
 

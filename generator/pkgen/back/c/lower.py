@@ -131,7 +131,10 @@ class _Lowering(Hoisting):
         hoisting = self.hoist(roots, self._names())
         prepare = self._finished("prepare", "int", (), hoisting, {})
         parameters, tables = self.equations.parameters, self.equations.model.tables
-        in_lanes = not self.plain and not tables  # The members of lanes are numbers, not pointers.
+        meets = self.equations.model.meets  # Then one call for many states saves nothing.
+        in_lanes = (
+            not self.plain and not tables and not meets
+        )  # The members of lanes are numbers, not pointers.
         return Program(
             equations=self.equations,
             structure=self.structure,

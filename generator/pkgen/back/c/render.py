@@ -20,7 +20,7 @@ from ...system.cache import cached
 from ...system.exits import BuildError
 from ...version import __version__
 from ..facts import facts, invariants
-from ..kernels import KERNELS
+from ..kernels import KERNELS, OF_FLIGHT
 from ..kernels import kernel as spec_of
 from ..templates import environment
 from . import parameter_code, tables
@@ -352,8 +352,11 @@ def _functions(program: Program) -> str:
     found = list(parameter_code.functions(program))
     if any(kernel.solves for kernel in program.kernels):
         found.insert(0, str(dense.functions()))
+    modes = tables.modes(program.equations)
     for kernel in program.kernels:
-        code = KernelCode(program.equations.model.name, kernel)
+        free = " && ".join(f"!(u[{k}] < 0 || u[{k}] > 0)" for k in modes)
+        of_flight = kernel.name in OF_FLIGHT
+        code = KernelCode(program.equations.model.name, kernel, free if of_flight else "")
         if kernel.name == "acceleration" and not program.plain:
             found += LaneCode(program, code).functions(solve)
         else:

@@ -238,3 +238,9 @@ def row_modes(e: Equations) -> list[int]:
     for x in meetings(e):
         modes[x["row"]] = 1 + x["mode"]
     return modes
+
+
+def modes(e: Equations) -> list[int]:
+    """Returns the inputs that say which rows hold, and which frictions slip."""
+    found = e.constraints.meetings if e.constraints else ()
+    return [e.graph.data[x].index for m in found for x in (m.mode, m.side) if x is not None]
