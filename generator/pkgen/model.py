@@ -262,7 +262,7 @@ class Event:
     span: Span
     limit: bool = False
     then: tuple[Start, ...] = ()
-    # A contact, friction or mode: it can happen while its row holds, if `when` is 1, or else does not.
+    # A contact, friction or mode: it can happen while its row holds (`when` 1) or does not (0).
     mode: str = ""
     when: int = 0
     ends: bool = False  # whether it is where a mode ends

@@ -49,7 +49,7 @@ struct pk_actor {
     size_t n_q, n;
     pk_real most[3]; /* the largest coordinate, rate and acceleration so far, times sqrt(M_kk) */
     pk_real *work, *happened, *next, *values, *before, *A, *b, *x, *B, *touches, *state, *idle,
-        *floats, *room;
+        *floats, *clings, *room;
 };
 
 /* Returns the number of pk_real of work memory; 0 if nothing in the system acts. */

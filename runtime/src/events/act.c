@@ -19,7 +19,7 @@ static size_t lay_out(struct pk_actor *a, const struct pk_problem *problem, pk_r
     const struct pk_slot slots[] = {
         {&seen, e * sizeof *a->seen / sizeof *seen}, {&a->happened, system->events.n},
         {&a->next, n_q + n + system->n_inputs}, {&a->before, n_q + n + system->n_inputs},
-        {&a->values, 5 * e}, {&a->touches, e}, {&a->state, e}, {&a->idle, e}, {&a->floats, e}, {&a->A, e ? c * c : 0},
+        {&a->values, 5 * e}, {&a->touches, e}, {&a->state, e}, {&a->idle, e}, {&a->floats, e}, {&a->clings, e}, {&a->A, e ? c * c : 0},
         {&a->b, c}, {&a->x, c}, {&a->B, e ? c * (c + 1) : 0},
         {&a->room, e ? pk_project_room(problem, n) : 0}};
     /* clang-format on */
@@ -250,6 +250,7 @@ void pk_actor_watch(struct pk_actor *a, const struct pk_integrator *it)
             continue;
         a->events->held[all->table[k].event] = a->events->held[all->table[k].open] = PK_INFINITY;
         a->events->off[all->table[k].event] = a->floats[k];
+        a->events->off[all->table[k].open] = a->clings[k];
     }
     pk_switches_leave(a->events, it);
 }

@@ -370,6 +370,10 @@ enum pk_status pk_reactions(struct pk_actor *a, struct pk_integrator *it, struct
             continue;
         a->floats[k] = p.kind[i] != OUT && p.kind[i] != SLIP && p.state[i] != 1 &&
                        pk_abs(r->acceleration[i]) <= ROUND * size + 10 * r->of_acceleration[i];
+        const pk_real bound = p.S[i] + p.s[i] * push(&p, i);
+        const int ties = p.kind[i] == RUB && p.state[i] == 1 &&
+                         bound - pk_abs(p.x[i]) <= 10 * ROUND * bound;
+        a->clings[k] = ties ? -100 * ROUND * bound * bound : 0;
         a->idle[k] = depends[i] && p.kind[i] != OUT && p.kind[i] != SLIP;
         a->state[k] = p.state[i] == 1 && depends[i] ? 0 : p.state[i];
         if (all->table[k].kind == PK_FRICTION && p.of[i] < p.c && !(push(&p, i) > 0))
