@@ -171,8 +171,8 @@ static const char *contacts_of(const struct pk_integrator *it, char *text, size_
     const struct pk_part_contacts *all = &it->problem.system->contacts;
     size_t used = 0;
     for (size_t k = 0; k < all->n && used < size; k++)
-        used += (size_t)snprintf(text + used, size - used, "%s%s", k ? ", " : "",
-                                 all->table[k].name);
+        used +=
+            (size_t)snprintf(text + used, size - used, "%s%s", k ? ", " : "", all->table[k].name);
     return text;
 }
 
@@ -255,6 +255,9 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     case PK_TOO_MANY_STEPS:
         return SAY("%s%s: %lu", what, words(it)->max_steps, it->count.steps);
     case PK_NO_PROGRESS:
+        if (kind == PK_REASON_CROWD)
+            return SAY("%s: %.0f changes of %s within %.3g: the motion may stay where they happen",
+                       what, value, contacts_of(it, name, sizeof name), time);
         return SAY("%s: the last %lu%s lead from t = %.17g to here, and at this rate %.3g more "
                    "would arrive, or double the time passed: the motion may end here in a "
                    "singularity, or be stiff (method radau)%s%s",

@@ -47,6 +47,8 @@ struct pk_actor {
 
     /* Private to the runtime. */
     size_t n_q, n;
+    pk_real changed;           /* time of the last change */
+    pk_real crowd, crowd_from; /* changes since a time that is hardly past */
     pk_real most[3]; /* the largest coordinate, rate and acceleration so far, times sqrt(M_kk) */
     pk_real *work, *happened, *next, *values, *before, *A, *b, *x, *B, *touches, *state, *idle,
         *floats, *clings, *room;

@@ -78,6 +78,8 @@ enum {
 };
 /* Kinds for PK_STEP_UNDERFLOW: what changes too fast. */
 enum { PK_REASON_LENGTH, PK_REASON_TIME_SCALE };
+/* A kind for PK_NO_PROGRESS: contacts and frictions change `value` times within `time`. */
+enum { PK_REASON_STEPS, PK_REASON_CROWD };
 /* Kinds for PK_SINGULAR_TIME: whether the acceleration grows towards the singularity. */
 enum { PK_REASON_GROWS, PK_REASON_BOUNDED };
 

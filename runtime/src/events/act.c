@@ -8,6 +8,10 @@
 #define WRITTEN PK_C(1e-8) /* starts are written in few digits: a gap below this is closed */
 /* a bounce below this fraction of the highest one, as its height goes, ends in rest */
 #define LOW (64 * PK_EPS)
+/* more than MOST changes within this fraction of the time lead nowhere */
+#define CROWDED PK_C(1e-9)
+enum { MOST = 10000 };
+#define LONGER PK_C(8.0)
 
 static size_t lay_out(struct pk_actor *a, const struct pk_problem *problem, pk_real *base)
 {
@@ -208,6 +212,17 @@ static enum pk_status contacts(struct pk_actor *a, struct pk_integrator *it, pk_
     return PK_DONE;
 }
 
+/* The next step is as long as it would have been, since a first step is chosen too short. It is not
+ * much longer than the time between changes, which dense output of a long step would not resolve. */
+static enum pk_status go_on(struct pk_actor *a, struct pk_integrator *it)
+{
+    const pk_real since = pk_max(pk_abs(it->t - a->changed), CROWDED * pk_abs(it->t));
+    a->changed = it->t;
+    if (!a->events || !(a->events->tried > 0) || !(it->method->traits & PK_ADAPTIVE))
+        return PK_DONE;
+    return pk_integrator_set_step(it, pk_min(a->events->tried, LONGER * since));
+}
+
 static enum pk_status change(struct pk_actor *a, struct pk_integrator *it, pk_real within)
 {
     const struct pk_system *system = a->system;
@@ -231,9 +246,7 @@ static enum pk_status change(struct pk_actor *a, struct pk_integrator *it, pk_re
     pk_zero(a->happened, system->events.n);
     PK_TRY(pk_integrator_reset(it, it->t, a->next, next_v(a)));
     pk_actor_watch(a, it);
-    /* the next step is as long as it would have been, since a first step is chosen too short */
-    if (a->events && a->events->tried > 0 && it->method->traits & PK_ADAPTIVE)
-        PK_TRY(pk_integrator_set_step(it, a->events->tried));
+    PK_TRY(go_on(a, it));
     it->event = stopped;
     return it->status = stopped ? PK_STOPPED_EVENT : PK_DONE;
 }
@@ -275,6 +288,14 @@ enum pk_status pk_actor_start(struct pk_actor *a, struct pk_integrator *it, pk_r
 
 enum pk_status pk_actor_run(struct pk_actor *a, struct pk_integrator *it)
 {
+    const pk_real passed = pk_abs(it->t - a->crowd_from);
+    a->crowd += 1;
+    if (passed > CROWDED * pk_abs(it->t))
+        a->crowd = 0, a->crowd_from = it->t;
+    if (a->crowd > MOST)
+        return it->status =
+                   pk_fail_with(it, PK_NO_PROGRESS,
+                                PK_WHY(.kind = PK_REASON_CROWD, .value = a->crowd, .time = passed));
     return it->status = change(a, it, 0);
 }
 
