@@ -209,6 +209,39 @@ static enum pk_status contacts(struct pk_actor *a, struct pk_integrator *it, pk_
     return PK_DONE;
 }
 
+/* The function of an event that gave values is 0 up to rounding, unless a value changed it. It goes
+ * on to the side to which the new motion leads, and does not cross 0 on this way. */
+static void leave(struct pk_actor *a, struct pk_integrator *it)
+{
+    const struct pk_system *system = a->system;
+    struct pk_events *e = a->events;
+    const size_t n_q = a->n_q, n = a->n;
+    int near = 0;
+    if (!e || !(e->tried > 0))
+        return;
+    const pk_real h = PK_C(1e-6) * (e->limit < it->t ? -e->tried : e->tried);
+    pk_real *now = pk_events_sample(e, 0), *ahead = pk_events_sample(e, 1), *q = a->before;
+    pk_events_functions(e, it, it->t, it->q, it->v, now);
+    for (size_t i = 0; i < system->resets.n; i++) {
+        const size_t k = system->resets.table[i].event;
+        near |= a->happened[k] > 0 && pk_abs(now[k]) <= pk_abs(e->held[k]);
+    }
+    if (!near || pk_eval_acceleration(it, it->t, it->q, it->v, e->a0) < 0)
+        return;
+    for (size_t k = 0; k < n; k++)
+        q[n_q + k] = it->v[k] + h * e->a0[k];
+    for (size_t k = 0; k < n_q; k++)
+        q[k] = it->q[k] + h * (it->v[k] + q[n_q + k]) / 2;
+    pk_events_functions(e, it, it->t + h, q, q + n_q, ahead);
+    for (size_t i = 0; i < system->resets.n; i++) {
+        const size_t k = system->resets.table[i].event;
+        const pk_real rounding = pk_abs(e->held[k]), way = ahead[k] - now[k];
+        if (a->happened[k] > 0 && pk_abs(now[k]) <= rounding && pk_abs(way) > rounding)
+            e->held[k] = way > 0 ? rounding : -rounding;
+    }
+    pk_switches_leave(e, it);
+}
+
 static enum pk_status change(struct pk_actor *a, struct pk_integrator *it, pk_real within)
 {
     const struct pk_system *system = a->system;
@@ -229,8 +262,9 @@ static enum pk_status change(struct pk_actor *a, struct pk_integrator *it, pk_re
         PK_TRY(contacts(a, it, within));
     a->acting = 0;
     a->stopped = 0;
-    pk_zero(a->happened, system->events.n);
     PK_TRY(pk_integrator_reset(it, it->t, a->next, next_v(a)));
+    leave(a, it);
+    pk_zero(a->happened, system->events.n);
     pk_actor_watch(a, it);
     /* the next step is as long as it would have been, since a first step is chosen too short */
     if (a->events && a->events->tried > 0 && it->method->traits & PK_ADAPTIVE)
