@@ -11,7 +11,7 @@
 #include "act.h"
 
 enum kind { OUT, EQUAL, PUSH, RUB, SLIP };
-enum { PIVOTS = 1000 };
+enum { PIVOTS = 1000, MOST_TRIED = 100000 };
 #define ROUND (PK_C(1e3) * PK_EPS)
 /* two orders of impacts agree if they differ by less than this fraction of the rates */
 #define AGREE PK_C(1e-8)
@@ -114,19 +114,48 @@ static int turn(struct problem *p, size_t i, pk_real round)
     return p->state[i] != was;
 }
 
-/* Returns whether a solution is found. */
-static int complement(struct problem *p)
+/* Solves for x, and changes the state of the first row that is wrong. Returns whether none was. */
+static int pivot(struct problem *p)
 {
-    for (int count = 0; count < PIVOTS; count++) {
-        size_t i = 0;
-        solve(p);
-        const pk_real round = ROUND * pk_largest(p->x, p->c);
-        while (i < p->c && !turn(p, i, round))
-            i++;
-        if (i == p->c)
+    size_t i = 0;
+    solve(p);
+    const pk_real round = ROUND * pk_largest(p->x, p->c);
+    while (i < p->c && !turn(p, i, round))
+        i++;
+    return i == p->c;
+}
+
+/* Tries all states, those that hold first. */
+static int search(struct problem *p)
+{
+    unsigned long all = 1;
+    for (size_t i = 0; i < p->c; i++) {
+        all *= p->kind[i] == PUSH ? 2 : p->kind[i] == RUB ? 3 : 1;
+        if (all > MOST_TRIED)
+            return 0;
+    }
+    for (unsigned long number = 0; number < all; number++) {
+        unsigned long rest = number;
+        for (size_t i = 0; i < p->c; i++) {
+            static const int ways[] = {1, 2, -2};
+            if (p->kind[i] == PUSH)
+                p->state[i] = rest % 2 == 0, rest /= 2;
+            else if (p->kind[i] == RUB)
+                p->state[i] = ways[rest % 3], rest /= 3;
+        }
+        if (pivot(p))
             return 1;
     }
     return 0;
+}
+
+/* Returns whether a solution is found. Pivots may go round where rows depend on each other. */
+static int complement(struct problem *p)
+{
+    for (int count = 0; count < PIVOTS; count++)
+        if (pivot(p))
+            return 1;
+    return search(p);
 }
 
 /* Computes the rounding errors of rows: relative to their terms, and to the largest numbers of the
