@@ -69,7 +69,8 @@ static enum pk_status fail(struct pk_integrator *it, size_t index, pk_real gap)
     return pk_fail_with(it, PK_PENETRATES, PK_WHY(.index = index, .value = gap, .time = it->t));
 }
 
-/* Finds the contacts whose gap is closed. A gap that has just been found closed by its event is. */
+/* Finds the contacts whose gap is closed. A gap that has just been found closed by its event is, and
+ * one that was closed, unless values after an event have changed it. */
 static enum pk_status touch(struct pk_actor *a, struct pk_integrator *it, struct rows *r,
                             pk_real within)
 {
@@ -77,9 +78,11 @@ static enum pk_status touch(struct pk_actor *a, struct pk_integrator *it, struct
         const struct pk_contact *x = &a->system->contacts.table[k];
         const pk_real gap = x->kind == PK_CONTACT ? r->w.phi[x->row] : 0;
         const pk_real size = x->kind == PK_CONTACT ? r->w.phi_size[x->row] : 0;
-        const int holds = a->u[x->mode] > 0 || a->u[x->mode + 2] > 0 || happened(a, x->event);
+        const int was = a->u[x->mode] > 0 || a->u[x->mode + 2] > 0;
         if (x->kind != PK_CONTACT)
             continue;
+        const int holds = happened(a, x->event) ||
+                          (was && pk_abs(gap) <= WRITTEN * size + r->of_gap[x->row]);
         if (!holds && gap < -WRITTEN * size - r->of_gap[x->row])
             return fail(it, k, gap);
         a->touches[k] = holds || pk_abs(gap) <= within * size + r->of_gap[x->row];
