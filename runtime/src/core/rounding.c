@@ -154,7 +154,7 @@ static void look_at_rows(struct pk_integrator *it)
     for (size_t k = 0; k < w.m; k++) {
         pk_real sum = 0;
         for (size_t i = 0; i < w.c; i++)
-            sum += pk_abs(w.W[i * w.m + k] * lambda[i]);
+            sum += pk_abs(w.W[i * w.m + k] * lambda[pk_project_row(&w, i)]);
         noise[k] = pk_finite(sum) ? pk_max(noise[k], ROUNDING * sum) : noise[k];
     }
 }
