@@ -208,6 +208,15 @@ enum pk_status pk_act_rows(struct pk_actor *a, struct pk_integrator *it, struct 
         r->mode[all->table[k].row] = all->table[k].mode;
     }
     all->values(a->params, it->t, a->next, v, a->u, a->values);
+    for (size_t k = 0; k < all->n; k++) {
+        const pk_real *bounds = a->values + 5 * k + 1;
+        const int contact = all->table[k].kind == PK_CONTACT;
+        for (size_t i = 0; i < 4; i++)
+            if (bounds[i] < 0 || (contact && bounds[i] > 1))
+                return pk_fail_with(it, PK_NO_CONTACT,
+                                    PK_WHY(.kind = contact ? 2 : 3, .index = k, .value = bounds[i],
+                                           .time = it->t));
+    }
     return PK_DONE;
 }
 
