@@ -270,6 +270,7 @@ static void apply(struct pk_actor *a, struct rows *r, const pk_real *x, pk_real 
     for (size_t i = 0; i < w->c; i++)
         pk_add(v, x[i], w->W + i * w->m, w->m);
     pk_project_rows(w, a->next, v);
+    all->values(a->params, t, a->next, v, a->u, a->values); /* accelerations are of the new rates */
 }
 
 /* Solves for the impulses x of all contacts that touch. Returns whether they are found. */
