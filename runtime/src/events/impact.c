@@ -407,10 +407,8 @@ enum pk_status pk_reactions(struct pk_actor *a, struct pk_integrator *it, struct
         r->acceleration[i] = result(&p, i, &size);
         if (k == all->n)
             continue;
-        /* a gap that opens from rest is less than its rounding for a while */
-        a->floats[k] = p.kind[i] != OUT && p.kind[i] != SLIP && p.state[i] != 1 &&
-                       (p.kind[i] == PUSH || pk_abs(r->acceleration[i]) <=
-                                                 ROUND * size + 10 * r->of_acceleration[i]);
+        /* a gap, or a slip, that begins at rest is less than its rounding for a while */
+        a->floats[k] = p.kind[i] != OUT && p.kind[i] != SLIP && p.state[i] != 1;
         a->idle[k] = depends[i] && p.kind[i] != OUT && p.kind[i] != SLIP;
         a->state[k] = p.state[i] == 1 && depends[i] ? 0 : p.state[i];
         if (all->table[k].kind == PK_FRICTION && p.of[i] < p.c && !(push(&p, i) > 0))
