@@ -231,6 +231,11 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     case PK_PENETRATES:
         return SAY("%s: %s is %.6g", what, system->contacts.table[index].name, value);
     case PK_NO_CONTACT:
+        if (kind > 1)
+            return SAY("%s: %s of %s is %.6g: it is %s", what,
+                       kind == 2 ? "the restitution" : "a bound of the friction",
+                       system->contacts.table[index].name, value,
+                       kind == 2 ? "from 0 to 1" : "at least 0");
         return SAY("%s: %s of %s: friction that grows with the force that it causes (Painleve), "
                    "or impulses that contradict each other",
                    what, kind ? "impulses" : "accelerations", contacts_of(it, name, sizeof name));

@@ -140,7 +140,8 @@ enum pk_status pk_project_start(struct pk_integrator *it)
         return pk_fail_with(it, PK_OFF_CONSTRAINTS, PK_WHY(.value = (pk_real)NAN));
     size_t row =
         pk_project_broken(&w, w.phi, w.phi_size, w.mu, w.h, q, 0, pk_project_passed(it, &w));
-    const size_t off = pk_project_broken(&w, w.rate, w.rate_size, w.mu, w.c, v, 1, 0);
+    const size_t off = pk_project_broken(&w, w.rate, w.rate_size, w.mu, w.c, v, 1,
+                                         pk_project_rest(it, &w, q));
     size_t depends = w.whole && !w.system->contacts.modes ? nothing(&w, q, v, w.d) : 0;
     if (depends)
         w.depends[0] = (pk_real)depends, pk_zero(w.depends + 1, w.c);

@@ -73,7 +73,8 @@ static enum pk_status fail(struct pk_integrator *it, size_t index, pk_real gap)
     return pk_fail_with(it, PK_PENETRATES, PK_WHY(.index = index, .value = gap, .time = it->t));
 }
 
-/* Finds the contacts whose gap is closed. A gap that has just been found closed by its event is. */
+/* Finds the contacts whose gap is closed. A gap that has just been found closed by its event is, and
+ * one that was closed, unless values after an event have changed it. */
 static enum pk_status touch(struct pk_actor *a, struct pk_integrator *it, struct rows *r,
                             pk_real within)
 {
@@ -81,9 +82,11 @@ static enum pk_status touch(struct pk_actor *a, struct pk_integrator *it, struct
         const struct pk_contact *x = &a->system->contacts.table[k];
         const pk_real gap = x->kind == PK_CONTACT ? r->w.phi[x->row] : 0;
         const pk_real size = x->kind == PK_CONTACT ? r->w.phi_size[x->row] : 0;
-        const int holds = a->u[x->mode] > 0 || a->u[x->mode + 2] > 0 || happened(a, x->event);
+        const int was = a->u[x->mode] > 0 || a->u[x->mode + 2] > 0;
         if (x->kind != PK_CONTACT)
             continue;
+        const int holds = happened(a, x->event) ||
+                          (was && pk_abs(gap) <= WRITTEN * size + r->of_gap[x->row]);
         if (!holds && gap < -WRITTEN * size - r->of_gap[x->row])
             return fail(it, k, gap);
         a->touches[k] = holds || pk_abs(gap) <= within * size + r->of_gap[x->row];
@@ -223,6 +226,39 @@ static enum pk_status go_on(struct pk_actor *a, struct pk_integrator *it)
     return pk_integrator_set_step(it, pk_min(a->events->tried, LONGER * since));
 }
 
+/* The function of an event that gave values is 0 up to rounding, unless a value changed it. It goes
+ * on to the side to which the new motion leads, and does not cross 0 on this way. */
+static void leave(struct pk_actor *a, struct pk_integrator *it)
+{
+    const struct pk_system *system = a->system;
+    struct pk_events *e = a->events;
+    const size_t n_q = a->n_q, n = a->n;
+    int near = 0;
+    if (!e || !(e->tried > 0))
+        return;
+    const pk_real h = PK_C(1e-6) * (e->limit < it->t ? -e->tried : e->tried);
+    pk_real *now = pk_events_sample(e, 0), *ahead = pk_events_sample(e, 1), *q = a->before;
+    pk_events_functions(e, it, it->t, it->q, it->v, now);
+    for (size_t i = 0; i < system->resets.n; i++) {
+        const size_t k = system->resets.table[i].event;
+        near |= a->happened[k] > 0 && pk_abs(now[k]) <= pk_abs(e->held[k]);
+    }
+    if (!near || pk_eval_acceleration(it, it->t, it->q, it->v, e->a0) < 0)
+        return;
+    for (size_t k = 0; k < n; k++)
+        q[n_q + k] = it->v[k] + h * e->a0[k];
+    for (size_t k = 0; k < n_q; k++)
+        q[k] = it->q[k] + h * (it->v[k] + q[n_q + k]) / 2;
+    pk_events_functions(e, it, it->t + h, q, q + n_q, ahead);
+    for (size_t i = 0; i < system->resets.n; i++) {
+        const size_t k = system->resets.table[i].event;
+        const pk_real rounding = pk_abs(e->held[k]), way = ahead[k] - now[k];
+        if (a->happened[k] > 0 && pk_abs(now[k]) <= rounding && pk_abs(way) > rounding)
+            e->held[k] = way > 0 ? rounding : -rounding;
+    }
+    pk_switches_leave(e, it);
+}
+
 static enum pk_status change(struct pk_actor *a, struct pk_integrator *it, pk_real within)
 {
     const struct pk_system *system = a->system;
@@ -243,8 +279,9 @@ static enum pk_status change(struct pk_actor *a, struct pk_integrator *it, pk_re
         PK_TRY(contacts(a, it, within));
     a->acting = 0;
     a->stopped = 0;
-    pk_zero(a->happened, system->events.n);
     PK_TRY(pk_integrator_reset(it, it->t, a->next, next_v(a)));
+    leave(a, it);
+    pk_zero(a->happened, system->events.n);
     pk_actor_watch(a, it);
     PK_TRY(go_on(a, it));
     it->event = stopped;

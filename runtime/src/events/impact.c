@@ -11,7 +11,7 @@
 #include "act.h"
 
 enum kind { OUT, EQUAL, PUSH, RUB, SLIP };
-enum { PIVOTS = 1000 };
+enum { PIVOTS = 1000, MOST_TRIED = 100000 };
 #define ROUND (PK_C(1e3) * PK_EPS)
 /* two orders of impacts agree if they differ by less than this fraction of the rates */
 #define AGREE PK_C(1e-8)
@@ -114,19 +114,48 @@ static int turn(struct problem *p, size_t i, pk_real round)
     return p->state[i] != was;
 }
 
-/* Returns whether a solution is found. */
-static int complement(struct problem *p)
+/* Solves for x, and changes the state of the first row that is wrong. Returns whether none was. */
+static int pivot(struct problem *p)
 {
-    for (int count = 0; count < PIVOTS; count++) {
-        size_t i = 0;
-        solve(p);
-        const pk_real round = ROUND * pk_largest(p->x, p->c);
-        while (i < p->c && !turn(p, i, round))
-            i++;
-        if (i == p->c)
+    size_t i = 0;
+    solve(p);
+    const pk_real round = ROUND * pk_largest(p->x, p->c);
+    while (i < p->c && !turn(p, i, round))
+        i++;
+    return i == p->c;
+}
+
+/* Tries all states, those that hold first. */
+static int search(struct problem *p)
+{
+    unsigned long all = 1;
+    for (size_t i = 0; i < p->c; i++) {
+        all *= p->kind[i] == PUSH ? 2 : p->kind[i] == RUB ? 3 : 1;
+        if (all > MOST_TRIED)
+            return 0;
+    }
+    for (unsigned long number = 0; number < all; number++) {
+        unsigned long rest = number;
+        for (size_t i = 0; i < p->c; i++) {
+            static const int ways[] = {1, 2, -2};
+            if (p->kind[i] == PUSH)
+                p->state[i] = rest % 2 == 0, rest /= 2;
+            else if (p->kind[i] == RUB)
+                p->state[i] = ways[rest % 3], rest /= 3;
+        }
+        if (pivot(p))
             return 1;
     }
     return 0;
+}
+
+/* Returns whether a solution is found. Pivots may go round where rows depend on each other. */
+static int complement(struct problem *p)
+{
+    for (int count = 0; count < PIVOTS; count++)
+        if (pivot(p))
+            return 1;
+    return search(p);
 }
 
 /* Computes the rounding errors of rows: relative to their terms, and to the largest numbers of the
@@ -179,6 +208,15 @@ enum pk_status pk_act_rows(struct pk_actor *a, struct pk_integrator *it, struct 
         r->mode[all->table[k].row] = all->table[k].mode;
     }
     all->values(a->params, it->t, a->next, v, a->u, a->values);
+    for (size_t k = 0; k < all->n; k++) {
+        const pk_real *bounds = a->values + 5 * k + 1;
+        const int contact = all->table[k].kind == PK_CONTACT;
+        for (size_t i = 0; i < 4; i++)
+            if (bounds[i] < 0 || (contact && bounds[i] > 1))
+                return pk_fail_with(it, PK_NO_CONTACT,
+                                    PK_WHY(.kind = contact ? 2 : 3, .index = k, .value = bounds[i],
+                                           .time = it->t));
+    }
     return PK_DONE;
 }
 
@@ -232,6 +270,7 @@ static void apply(struct pk_actor *a, struct rows *r, const pk_real *x, pk_real 
     for (size_t i = 0; i < w->c; i++)
         pk_add(v, x[i], w->W + i * w->m, w->m);
     pk_project_rows(w, a->next, v);
+    all->values(a->params, t, a->next, v, a->u, a->values); /* accelerations are of the new rates */
 }
 
 /* Solves for the impulses x of all contacts that touch. Returns whether they are found. */
@@ -368,8 +407,8 @@ enum pk_status pk_reactions(struct pk_actor *a, struct pk_integrator *it, struct
         r->acceleration[i] = result(&p, i, &size);
         if (k == all->n)
             continue;
-        a->floats[k] = p.kind[i] != OUT && p.kind[i] != SLIP && p.state[i] != 1 &&
-                       pk_abs(r->acceleration[i]) <= ROUND * size + 10 * r->of_acceleration[i];
+        /* a gap, or a slip, that begins at rest is less than its rounding for a while */
+        a->floats[k] = p.kind[i] != OUT && p.kind[i] != SLIP && p.state[i] != 1;
         const pk_real bound = p.S[i] + p.s[i] * push(&p, i);
         const int ties = p.kind[i] == RUB && p.state[i] == 1 &&
                          bound - pk_abs(p.x[i]) <= 10 * ROUND * bound;

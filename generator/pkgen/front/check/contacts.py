@@ -134,14 +134,17 @@ class Contacts(Settings):
         wanted = self._unit_of(self.power_dimension, facts.dimension).dimension
         needs = f"friction along {left.name} needs [{si_text(wanted or NONE)}]"
         target = Target(wanted, needs if wanted != NONE else "friction needs a number")
-        value, of_force = self.wanted(statement.value, scope, target)
+        value, known = self.wanted(statement.value, scope, target)
         static, more = None, UNKNOWN
         if statement.static is not None:
             static, more = self.wanted(statement.static, scope, target)
-        for expr, f in ((statement.value, of_force), (statement.static, more)):
+        for expr, f in ((statement.value, known), (statement.static, more)):
             if f.value is not None and f.value < 0:
                 self.error("a bound of friction is not negative", expr, "its direction is found")
             self.use_inputs(f)
+        if None not in (known.value, more.value) and more.value < known.value:
+            message = "static friction is less than the friction of what slips"
+            self.error(message, statement.static, "it holds up to static, and then slips with less")
         multiplier = self._unit_of(self.power_dimension, facts.dimension)
         members = Members(self.members_of(left)) if left.range or left.index else None
         name = multipliers(left.name)[0]

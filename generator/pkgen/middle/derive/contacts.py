@@ -15,7 +15,7 @@ from collections.abc import Iterable
 
 from ...equations import Constraints, Meeting, Quantity, Rows
 from ...graph.differentiate import gradient, symbols_in
-from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Symbol
+from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from ...graph.normal import Normal
 from ...graph.substitute import substituted
 from ...indices import multiplied, multipliers, parted
@@ -169,7 +169,8 @@ def _without(g: Graph, force: Node) -> Node:
 
 def _tangent(x: Expander, item: Friction) -> Node:
     """Returns the slip of a contact without `along`: the rate, along the surface, of the place P in
-    a plane by which the gap is given, so that dgap/dq = n dP/dq."""
+    a plane by which the gap is given, so that dgap/dq = n dP/dq. It is in the scale of the gap: the
+    force lambda |n| at P has friction up to mu lambda |n|."""
     contact = next(c for c in x.model.contacts if c.name == item.of)
     g = x.graph
     gap = x.scalar(contact.gap)
@@ -222,6 +223,4 @@ def _along(g: Graph, by: dict[Node, Node], place: tuple[Node, ...], x: Expander)
         if rest != ZERO and Normal(g)(rest) != {}:
             return None
     rates = [x.derivative(place[k]) for k in (a, b)]
-    slip = g.subtract(g.multiply(n[1], rates[0]), g.multiply(n[0], rates[1]))
-    length = g.add(g.multiply(n[0], n[0]), g.multiply(n[1], n[1]))
-    return slip if length == ONE else g.divide(slip, g.call("sqrt", length))
+    return g.subtract(g.multiply(n[1], rates[0]), g.multiply(n[0], rates[1]))
