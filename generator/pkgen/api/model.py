@@ -155,6 +155,7 @@ class Model(Kernels):
         diagnose: Names = (),
         iteration: str = ITERATIONS[0],
         max_steps: int = MAX_STEPS,
+        seed: int | None = None,
         tableau: Files = (),
         composition: Weights = (),
     ) -> Result:
@@ -267,6 +268,7 @@ class Model(Kernels):
         atol: float | None = None,
         start: Mapping[str, Value] | None = None,
         inputs: Mapping[str, Value] | None = None,
+        seed: int | None = None,
     ) -> Integrator:
         """Returns an Integrator at the initial state; arguments as in `run`. Raises UsageError."""
         given = {k: x for k, x in locals().items() if k != "self"}

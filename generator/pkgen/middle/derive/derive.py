@@ -42,6 +42,7 @@ from .first_degree import rates_of_first_degree
 from .first_order import define_built_in, rates_of_states
 from .impulses import check_rates
 from .lagrange import Derived, derived, located
+from .noise import noise_of
 from .legendre import hamiltonian_of, lagrangian_of, rates_at_start
 from .resets import resets_of
 from .samples import sampled
@@ -143,6 +144,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         particles=bodies,
         attitudes=x.attitudes,
         fast=_fast(x, energies.fast, found),
+        noise=noise_of(x, found),
         **found.fields,
     )
     return located(equations, wanted)
