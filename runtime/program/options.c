@@ -150,7 +150,8 @@ static int count(struct program *p, const struct option *o, const char *text)
     char *end;
     const unsigned long x = strtoul(text, &end, 10);
     if (!isdigit((unsigned char)*text) || *end || (!x && !*o->kinds))
-        return usage(o->name, text, *o->kinds ? "not a whole number" : "not a positive whole number");
+        return usage(o->name, text,
+                     *o->kinds ? "not a whole number" : "not a positive whole number");
     /* The number in the settings may be a size_t, which has the same size as x. */
     memcpy((char *)&p->settings + o->offset, &x, sizeof x);
     return 0;

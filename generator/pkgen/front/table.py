@@ -99,7 +99,7 @@ IN_SAMPLE = frozenset(("memory", "let", "set"))
 _SOFT = frozenset(("draw", "view", "fast", "body", "joint", "gravity", "torque", "hamiltonian"))
 # These words are keywords only at the start of a line, and only before a name or a string.
 _BEFORE_NAME = frozenset(
-    "table use sample memory exact impact contact friction mode noise".split()
+    ("table", "use", "sample", "memory", "exact", "impact", "contact", "friction", "mode", "noise")
 )
 # Columns: keyword, key of SYNTAX, method that checks, how many a scene may have, form.
 _SCENE = """

@@ -32,10 +32,18 @@ static size_t lay_out(struct work *w, const struct pk_system *system, size_t n_q
                       int matrices, pk_real *base)
 {
     const size_t m = w->noises = system->noise.n, nn = matrices ? n * n : 0;
-    const struct pk_slot slots[] = {
-        {&w->S, m}, {&w->G, m * n}, {&w->z, m > n ? m : n}, {&w->b, 2 * n}, {&w->k, 2 * (n_q + n)},
-        {&w->B, nn}, {&w->E, nn}, {&w->C, nn}, {&w->Q, nn}, {&w->pivot, n}, {&w->room, 3 * nn},
-        {&w->h, 1}};
+    const struct pk_slot slots[] = {{&w->S, m},
+                                    {&w->G, m * n},
+                                    {&w->z, m > n ? m : n},
+                                    {&w->b, 2 * n},
+                                    {&w->k, 2 * (n_q + n)},
+                                    {&w->B, nn},
+                                    {&w->E, nn},
+                                    {&w->C, nn},
+                                    {&w->Q, nn},
+                                    {&w->pivot, n},
+                                    {&w->room, 3 * nn},
+                                    {&w->h, 1}};
     w->n = n;
     return PK_LAY_OUT(base, slots);
 }
@@ -137,8 +145,7 @@ static enum pk_status at_rest(struct pk_integrator *it, const struct work *w, pk
 static enum pk_status at_start(struct pk_integrator *it, const struct work *w, const pk_real **g)
 {
     *g = pk_state(it, PK_A);
-    return it->own->flags & PK_HAVE_A ? PK_DONE
-                                      : at_rest(it, w, it->t, it->q, pk_state(it, PK_A));
+    return it->own->flags & PK_HAVE_A ? PK_DONE : at_rest(it, w, it->t, it->q, pk_state(it, PK_A));
 }
 
 static enum pk_status stochastic_verlet_step(struct pk_integrator *it, pk_real limit)
@@ -146,7 +153,8 @@ static enum pk_status stochastic_verlet_step(struct pk_integrator *it, pk_real l
     const size_t n = it->n;
     const struct work w = work_of(it, 1);
     const pk_real h = it->own->h, *q = it->q, *v = it->v, *g;
-    pk_real *to = it->own->next, *low = pk_next(it, PK_LOW_Q), *g1 = pk_next(it, PK_A), *d = w.k + n;
+    pk_real *to = it->own->next, *low = pk_next(it, PK_LOW_Q), *g1 = pk_next(it, PK_A),
+            *d = w.k + n;
     (void)limit;
     PK_TRY(at_start(it, &w, &g));
     normal(it, w.noises, w.z);
@@ -278,7 +286,7 @@ static enum pk_status baoab_step(struct pk_integrator *it, pk_real limit)
 }
 
 #define HEUN(of) .needs = PK_NEEDS_HEUN, .size = heun_size, .step = heun_step
-#define LANGEVIN(of)                                                                          \
+#define LANGEVIN(of) \
     .needs = PK_NEEDS_LANGEVIN, .size = langevin_size, .init = langevin_init, .step = of##_step
 PK_METHODS_HEUN(PK_DEFINE_METHOD, HEUN)
 PK_METHODS_LANGEVIN(PK_DEFINE_METHOD, LANGEVIN)

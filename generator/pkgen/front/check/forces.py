@@ -140,6 +140,8 @@ class Forces(Checks):
         text = f"the noise on {label} needs {needs} [{si_text(squared or NONE)}]"
         check = self.wanted if place is None else self.wanted_vector
         value, facts = check(statement.value, scope, Target(squared, text))
+        if facts.value is not None and facts.value < 0:
+            self.error("the intensity of a noise is at least 0", statement.value)
         if facts.rates or facts.states or facts.inputs:
             message = "the intensity of a noise has a rate, a state or an input in it"
             self.error(message, statement.value, "it is of coordinates, parameters and t")

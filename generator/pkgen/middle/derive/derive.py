@@ -42,8 +42,8 @@ from .first_degree import rates_of_first_degree
 from .first_order import define_built_in, rates_of_states
 from .impulses import check_rates
 from .lagrange import Derived, derived, located
-from .noise import noise_of
 from .legendre import hamiltonian_of, lagrangian_of, rates_at_start
+from .noise import noise_of
 from .resets import resets_of
 from .samples import sampled
 
