@@ -272,9 +272,7 @@ class Event:
     span: Span
     limit: bool = False
     then: tuple[Start, ...] = ()
-    mode: str = (
-        ""  # of a contact or a friction: it can happen while its row holds (`when` 1) or not
-    )
+    mode: str = ""  # of a contact or a friction: it can happen while its row holds (`when` 1) or not
     when: int = 0
 
     @property
