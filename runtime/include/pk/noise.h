@@ -28,7 +28,7 @@ static inline void pk_philox(uint32_t x[4], uint32_t key0, uint32_t key1)
 static inline pk_real pk_uniform(uint32_t high, uint32_t low)
 {
     const uint64_t k = ((uint64_t)high << 32 | low) >> 11;
-    return ((pk_real)k + PK_C(0.5)) * PK_C(0x1p-53);
+    return ((pk_real)k + PK_C(0.5)) / PK_C(9007199254740992.0);
 }
 
 /* Writes `count` independent numbers of the standard normal distribution (Box, Muller 1958) for a
