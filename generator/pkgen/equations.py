@@ -153,7 +153,8 @@ class Meeting:
     """A row that holds at times, of a contact, a friction or a latch; see struct pk_contact. A row
     of friction has the force -side F while it slips. `bounds` of a contact begin with its
     coefficient of restitution; those of a friction are F_0 and f of F = F_0 + f lambda, and the
-    same while it sticks, where lambda is the multiplier of the contact `of`."""
+    same while it sticks, where lambda is the multiplier of the contact `of`. `flag`: a
+    contact has Poisson's law; a latch holds at the start."""
 
     name: str
     kind: str  # of enum pk_contact_kind, without PK_
@@ -161,7 +162,7 @@ class Meeting:
     mode: Node  # 1 while the row holds
     events: tuple[str, str]
     bounds: Row
-    poisson: bool = False
+    flag: bool = False
     side: Node | None = None
     of: str = ""
 

@@ -272,8 +272,10 @@ class Event:
     span: Span
     limit: bool = False
     then: tuple[Start, ...] = ()
-    mode: str = ""  # of a contact or a friction: it can happen while its row holds (`when` 1) or not
+    # A contact, friction or mode: it can happen while its row holds, if `when` is 1, or else does not.
+    mode: str = ""
     when: int = 0
+    ends: bool = False  # whether it is where a mode ends
 
     @property
     def kernel(self) -> str:
@@ -283,7 +285,7 @@ class Event:
     @property
     def acts(self) -> bool:
         """Whether the motion does not go on through it as if it were not there."""
-        return self.stop or bool(self.then or self.mode)
+        return self.stop or self.ends or bool(self.then or self.mode)
 
 
 @record
@@ -325,14 +327,15 @@ class Friction:
 
 @record
 class Mode:
-    """`mode NAME: constraint a, b on at EVENT off at EVENT`. Without the first event, it is on at
-    the start."""
+    """`mode NAME: constraint a, b on at EVENT off at EVENT`. `begins`: whether it is on at the
+    start."""
 
     name: str
     constraints: tuple[str, ...]
     on: str
     off: str
     span: Span
+    begins: bool
 
 
 @record

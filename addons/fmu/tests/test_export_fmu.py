@@ -45,14 +45,17 @@ def test_a_unit_is_valid_and_steps_as_a_run_does(model: Path, version: str, unit
     path = unit(model, version)
     assert validate_fmu(str(path)) == []
     h, steps = 2.0**-7, 16
+    # Steps of a run end at the knots of a table, those of a unit also where rows are: of one method,
+    # but of other lengths.
+    step = h / 64 if "table" in model.read_text() else h
     found = fmpy.simulate_fmu(
         str(path),
         fmi_type="CoSimulation",
         stop_time=h * steps,
         output_interval=h,
-        start_values={"integrator.step": h, "integrator.method": method(path, "rk4")},
+        start_values={"integrator.step": step, "integrator.method": method(path, "rk4")},
     )
-    options = ("--method", "rk4", "--step", h, "--until", h * steps, "--every", h)
+    options = ("--method", "rk4", "--step", step, "--until", h * steps, "--every", h)
     agree(columns(found), ran(model, *options), 1e-9)
 
 

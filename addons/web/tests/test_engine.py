@@ -63,6 +63,8 @@ def compare(model: Path, folder: Path) -> int:
     for method, found in zip(methods, asked(page(model, folder), *jobs)["found"], strict=True):
         name = method["name"]
         why, rows = native.rows(native_, method, until=TIMES[-1], every=EVERY, **asked_of(method))
+        if "no step" in found.get("error", "") and "no step" in why:
+            continue  # adaptive_verlet of forces without a gradient
         assert "error" not in found, f"{name}: {found['error']}"
         assert bool(found["status"]) == bool(why), f"{name}: {found['status']}; {why}"
         ours = found["rows"][:-1] if why else found["rows"]

@@ -19,7 +19,7 @@ PLAIN = frozenset(("acceleration", "energy", "force", "mass", "noise", "observe"
 CANONICAL = frozenset(("hamiltonian", "hamilton", "hamilton_force"))
 # Kernels with which the runtime keeps constraints: generated even if a user selects other kernels.
 _OF_CONSTRAINTS = frozenset(
-    "constraint constraint_jacobian residual_scale inertia redundant multipliers meeting".split()
+    ("constraint", "constraint_jacobian", "residual_scale", "inertia", "redundant", "multipliers")
 )
 # Kernels with which the runtime finds the rates after an impulse.
 _OF_IMPULSES = frozenset(("corner", "energy", "unconstrained", "inertia"))
@@ -42,6 +42,7 @@ def needed_kernels(
     if "acceleration" in asked and equations.acceleration is None:
         asked |= {"mass", "force"}
     asked |= {event.kernel for event in equations.model.resetting}
+    asked |= {"meeting"} if equations.model.meets else set()
     if equations.sampled:
         asked |= {"sampling", *(block.kernel for block in equations.model.samples)}
     return frozenset(asked)

@@ -34,12 +34,13 @@ struct pk_contact_seen {
 struct pk_actor {
     const struct pk_system *system;
     const void *params;
-    pk_real *u; /* the inputs, which the modes are among; the integrator's input function gives them */
+    pk_real
+        *u; /* the inputs, which the modes are among; the integrator's input function gives them */
 
     struct pk_events *events; /* those that find what is noted, or NULL */
 
-    int acting;     /* flag: an event that changes the motion was noted */
-    size_t stopped; /* 1 + the first event noted that ends the run, or 0 */
+    int acting;                   /* flag: an event that changes the motion was noted */
+    size_t stopped;               /* 1 + the first event noted that ends the run, or 0 */
     struct pk_contact_seen *seen; /* one for each contact */
     /* The first impact whose outcome depends on the order of two contacts: its time, or NaN. */
     pk_real order_t, order_of[2];
@@ -47,7 +48,8 @@ struct pk_actor {
     /* Private to the runtime. */
     size_t n_q, n;
     pk_real most[3]; /* the largest coordinate, rate and acceleration so far, times sqrt(M_kk) */
-    pk_real *work, *happened, *next, *values, *before, *A, *b, *x, *B, *touches, *state, *idle, *floats, *room;
+    pk_real *work, *happened, *next, *values, *before, *A, *b, *x, *B, *touches, *state, *idle,
+        *floats, *room;
 };
 
 /* Returns the number of pk_real of work memory; 0 if nothing in the system acts. */

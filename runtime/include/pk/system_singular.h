@@ -85,7 +85,7 @@ struct pk_contact {
     /* Events: where a gap closes, where a contact opens; where friction changes; where a latch
      * closes and opens. */
     size_t event, open;
-    int poisson; /* flag: Poisson's law of restitution, not Newton's */
+    int flag; /* of a contact: Poisson's law of restitution; of a latch: it holds at the start */
 };
 /* values() writes five numbers for each: the acceleration of the row if no row holds that may open;
  * then of a contact the coefficient of restitution, and of a friction its bound while it slips,

@@ -32,9 +32,9 @@ struct pk_projection {
     /* first number: 1 + the index of a dependent row, or 0; then the coefficients of the linear
      * combination of other rows that equals this row */
     pk_real *depends;
-    int all; /* flag: rows that do not hold now are kept too */
+    int all;       /* flag: rows that do not hold now are kept too */
     pk_real *rows; /* the numbers of the rows in the system, if some do not hold */
-    size_t r; /* number of redundant rows */
+    size_t r;      /* number of redundant rows */
     /* For the r redundant rows: off has 2 r residuals, off_size the 2 r sizes of their terms,
      * off_rows their rows of J, and off_slopes their pk_project_slopes(). */
     pk_real *off, *off_size, *off_rows, *off_slopes;

@@ -144,9 +144,8 @@ static enum pk_status settle(struct pk_actor *a, struct pk_integrator *it, struc
                               (table[k].kind == PK_FRICTION && happened(a, table[k].event));
             a->state[k] = table[k].kind == PK_CONTACT
                               ? a->touches[k] > 0 && (still || pk_finite(a->seen[k].rests))
-                          : table[k].kind == PK_FRICTION && !still
-                              ? (r->w.rate[row] > 0 ? 2 : -2)
-                              : 1;
+                          : table[k].kind == PK_FRICTION && !still ? (r->w.rate[row] > 0 ? 2 : -2)
+                                                                   : 1;
         }
         PK_TRY(pk_reactions(a, it, r));
         for (size_t k = 0; k < e; k++) {
@@ -267,7 +266,7 @@ enum pk_status pk_actor_start(struct pk_actor *a, struct pk_integrator *it, pk_r
     a->stopped = 0;
     for (size_t k = 0; k < a->system->contacts.n; k++) {
         a->seen[k].rests = a->seen[k].last = (pk_real)NAN;
-        a->u[table[k].mode] = table[k].kind == PK_LATCH && !(table[k].event < a->system->events.n);
+        a->u[table[k].mode] = table[k].kind == PK_LATCH && table[k].flag;
         a->u[table[k].mode + 1] = a->u[table[k].mode + 2] = 0;
     }
     return it->status = a->system->contacts.n ? change(a, it, WRITTEN) : PK_DONE;

@@ -21,11 +21,11 @@ struct problem {
     const pk_real *A, *b;
     pk_real *x, *B;
     enum kind kind[PK_MOST_ROWS];
-    int state[PK_MOST_ROWS];                   /* 1: holds; 0: open; 2, -2: slips */
-    size_t of[PK_MOST_ROWS];                   /* row of the contact that bounds it, or c */
-    pk_real F[PK_MOST_ROWS], f[PK_MOST_ROWS];  /* bound while it slips */
-    pk_real S[PK_MOST_ROWS], s[PK_MOST_ROWS];  /* bound while it holds */
-    const pk_real *least;                      /* rounding error of each y */
+    int state[PK_MOST_ROWS];                  /* 1: holds; 0: open; 2, -2: slips */
+    size_t of[PK_MOST_ROWS];                  /* row of the contact that bounds it, or c */
+    pk_real F[PK_MOST_ROWS], f[PK_MOST_ROWS]; /* bound while it slips */
+    pk_real S[PK_MOST_ROWS], s[PK_MOST_ROWS]; /* bound while it holds */
+    const pk_real *least;                     /* rounding error of each y */
 };
 
 static pk_real push(const struct problem *p, size_t row)
@@ -246,7 +246,7 @@ static int impulses(struct pk_actor *a, const struct rows *r, const pk_real *rat
         const size_t k = r->of[i];
         const struct pk_contact *of = k < all->n ? &all->table[k] : NULL;
         const pk_real restitution = of && of->kind == PK_CONTACT ? a->values[5 * k + 1] : 0;
-        const int poisson = of && of->kind == PK_CONTACT && of->poisson;
+        const int poisson = of && of->kind == PK_CONTACT && of->flag;
         a->b[i] = rate[i];
         p.F[i] = p.S[i] = 0; /* finite forces give no impulse */
         p.s[i] = p.f[i];
@@ -270,7 +270,7 @@ static int impulses(struct pk_actor *a, const struct rows *r, const pk_real *rat
         return 1;
     for (size_t i = 0; i < p.c; i++) { /* Poisson: impulses of compression come back, e-fold */
         const size_t k = r->of[i];
-        const int back = p.kind[i] == PUSH && all->table[k].poisson;
+        const int back = p.kind[i] == PUSH && all->table[k].flag;
         first[i] = back ? a->values[5 * k + 1] * x[i] : 0;
     }
     for (size_t i = 0; i < p.c; i++) {
@@ -349,10 +349,10 @@ enum pk_status pk_reactions(struct pk_actor *a, struct pk_integrator *it, struct
     for (size_t i = 0; i < p.c && found; i++) { /* a row whose force reached its bound lets go */
         const size_t k = r->of[i];
         const pk_real nothing = 10 * r->of_acceleration[i] / p.A[i * p.c + i];
-        const int over = k < all->n && p.state[i] == 1 &&
-                         ((all->table[k].open < a->system->events.n &&
-                           a->happened[all->table[k].open] > 0) ||
-                          (p.kind[i] == PUSH && p.x[i] <= nothing));
+        const int over =
+            k < all->n && p.state[i] == 1 &&
+            ((all->table[k].open < a->system->events.n && a->happened[all->table[k].open] > 0) ||
+             (p.kind[i] == PUSH && p.x[i] <= nothing));
         if (over && p.kind[i] == PUSH)
             p.state[i] = 0, ends = 1;
         else if (over && p.kind[i] == RUB)

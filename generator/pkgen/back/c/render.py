@@ -253,6 +253,7 @@ def frame(
         "n_inputs": len(names["inputs"]),
         "samples": model.samples,
         "resetting": model.resetting,
+        **dict.fromkeys(("held", "reset_events", "meetings", "row_modes"), ()),
         "n_observed": len(names["observed"]),
         "n_conserved": len(names["conserved"]),
         "facts": [f"PK_{field.upper()}" for field in FACTS.split() if getattr(proved, field)],

@@ -228,7 +228,7 @@ def meetings(e: Equations) -> list[dict[str, Any]]:
             "mode": e.graph.data[x.mode].index,
             "of": places.get(x.of, len(found)),
             "events": [events.get(name, len(events)) for name in x.events],
-            "poisson": int(x.poisson),
+            "flag": int(x.flag),
         }
         for x in found
     ]

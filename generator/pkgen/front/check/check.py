@@ -163,9 +163,9 @@ class _Checker(Checks):
                 self._check(statement)
         self.indices.finish()
         self.tables.finish(self.broken)
-        self.checks["contacts"].finish()
         if "rate" not in self.broken:
             self.states.finish()
+        self.checks["contacts"].finish()
         required = Required(self.file, self.shared, self.broken)
         required.check()
         parts = self.parts

@@ -13,17 +13,19 @@ from fractions import Fraction
 
 from ... import model as m
 from ...indices import indexed, multipliers, parted, unrolled
+from ...source import Span
 from ...tree import Add, Expr, Name, Number, Prime, of_member
 from .. import statements as st
 from .. import units
 from ..units import NONE, Dimension, si_text
 from .expr import Target
 from .names import UNKNOWN, Entry, Facts, Members
-from .scope import PLACES, Scope
+from .scope import Scope
 from .settings import Settings
 from .shared import name_span
 from .written import written
 
+Meeting = m.Contact | m.Friction
 _SLIPS = ("coordinate", "definition")
 MOST = 64  # rows of constraints beside contacts: PK_MOST_ROWS of runtime/src/events/act.h
 
@@ -60,6 +62,9 @@ class Contacts(Settings):
         if self.names.declare(Entry(left.name, "contact", facts, place, members, used=True)):
             name = multipliers(left.name)[0]
             self.names.declare(Entry(name, "multiplier", multiplier, place, members))
+        for name in self._members(left):
+            rubs = f"{name}.rub" if statement.mu is not None else ""
+            self._loses(name, f"{name}.lost", rubs, left.span)
         given = gap, restitution, mu, along, statement.poisson, unit
         said = statement.description, statement.span
         made = m.Contact(left.name, left.index, left.range, *given, *said)
@@ -67,9 +72,7 @@ class Contacts(Settings):
 
     contact = impact
 
-    def _number(
-        self, what: str, value: Expr | None, scope: Scope, most: int | None
-    ) -> Expr | None:
+    def _number(self, what: str, value: Expr | None, scope: Scope, most: int | None) -> Expr | None:
         """Checks a coefficient, a number from 0 to `most`, of parameters, places and t."""
         if value is None:
             return None
@@ -103,6 +106,21 @@ class Contacts(Settings):
         known = dimension is not None
         return Facts(per, united=True, known=known, coordinates=everything, rates=everything)
 
+    def _members(self, left: st.Left) -> list[str]:
+        ends = self.members_of(left) if left.range or left.index else None
+        if ends is None:
+            return [left.name]
+        return [indexed(left.name, i) for i in range(ends[0], ends[1] + 1)]
+
+    def _loses(self, name: str, cell: str, friction: str, at: Span) -> None:
+        """Makes loss(NAME) known: the sum of an input and of the state of a friction."""
+        parts = [Name(x, None, at) for x in (cell, friction and f"loss({friction})") if x]
+        states = frozenset((f"loss({friction})",) if friction else ())
+        inputs = {cell: 0} if cell else {}
+        facts = Facts(self.energy_dimension, united=True, states=states, inputs=inputs)
+        sum_ = Add(tuple(parts), (1,) * len(parts), at) if len(parts) > 1 else parts[0]
+        self.expressions.losses[name] = sum_, facts
+
     def friction(self, statement: st.Friction) -> None:
         left = statement.left
         scope, _ = self.left_scope(left, "friction")
@@ -128,6 +146,8 @@ class Contacts(Settings):
         members = Members(self.members_of(left)) if left.range or left.index else None
         name = multipliers(left.name)[0]
         self.names.declare(Entry(name, "multiplier", multiplier, name_span(left), members))
+        for each in self._members(left):
+            self._loses(each, "", each, left.span)
         given = slip, value, static, si_text(wanted or NONE)
         said = statement.description, statement.span
         made = m.Friction(left.name, left.index, left.range, *given, *said)
@@ -150,8 +170,10 @@ class Contacts(Settings):
         if statement.on is None and statement.off is None:
             help = "mode foot: constraint a on at landing off at lift"
             self.error("a mode begins or ends at an event", statement.name_span, help)
+        self._loses(statement.name, f"{statement.name}.lost", "", statement.name_span)
         names = tuple(left.name for left in statement.constraints)
-        self.parts["modes"].append(m.Mode(statement.name, names, on, off, statement.span))
+        given = statement.name, names, on, off, statement.span
+        self.parts["modes"].append(m.Mode(*given, begins=not on))
 
     def finish(self) -> None:
         """Writes families out, and adds what contacts, frictions and modes stand for: inputs that
@@ -173,12 +195,21 @@ class Contacts(Settings):
         for x in frictions:
             self._inputs(x, "side", NONE)
             of = (_of(x, f"{x.name}.{end}") for end in ("side", "slip"))
-            slip = written("a*b + 1 - a^2", x.span, *of)
+            slip = written("select(a^2, a*b, 1)", x.span, *of)
             held = written("a^2 - b^2", x.span, x.static or x.value, _multiplier(x))
             self._event(f"2{x.name}", slip, x, 0)
             self._event(f"3{x.name}", held, x, 1)
-        for x in self.parts["modes"]:
+            if (x.of or x.name) in self.expressions.lost:
+                self._work(x)
+        for k, x in enumerate(self.parts["modes"]):
             self._inputs(x, "lost", self.energy_dimension)
+            for i, event in enumerate(self.parts["events"]):
+                if event.name == x.on and not event.mode:
+                    self.parts["events"][i] = replace(event, mode=x.name)
+                elif event.name == x.off:
+                    self.parts["events"][i] = replace(event, ends=True)
+            begins = self.expressions.begins.get(x.name, x.begins)
+            self.parts["modes"][k] = replace(x, begins=begins)
         self.parts["contacts"], self.parts["frictions"] = contacts, frictions
         count = len(contacts) + len(frictions) + len(self.parts["constraints"])
         if contacts + frictions and count > MOST:
@@ -186,7 +217,7 @@ class Contacts(Settings):
             help = "one contact may be with the nearest of many: min(a, b, c) >= 0"
             self.error(message, (contacts + frictions)[-1], help)
 
-    def _each(self, kind: str, exprs: tuple[str, ...]) -> Iterator[m.Contact | m.Friction]:
+    def _each(self, kind: str, exprs: tuple[str, ...]) -> Iterator[Meeting]:
         """Yields the statements of a kind, a family member by member."""
         for item in self.parts[kind]:
             for index, _ in unrolled(item, self.sizes):
@@ -197,25 +228,32 @@ class Contacts(Settings):
                 name = indexed(item.name, index)
                 yield replace(item, name=name, index=None, range=None, **values)
 
-    def _inputs(self, x: m.Contact | m.Friction | m.Mode, second: str, dimension: Dimension) -> None:
+    def _inputs(self, x: Meeting | m.Mode, second: str, dimension: Dimension) -> None:
         """Adds the inputs of x; see struct pk_contact in runtime/include/pk/system_singular.h."""
         for end, of in (("on", NONE), (second, dimension), ("idle", NONE)):
             name = f"{x.name}.{end}"
             self.sampled[name] = x.name
             self.parts["inputs"].append(m.Input(name, 0, (si_text(of),), "", x.span, x.name))
 
-    def _event(
-        self, name: str, value: Expr, x: m.Contact | m.Friction, when: int, description: str = ""
-    ) -> None:
+    def _work(self, x: m.Friction) -> None:
+        """Adds the state that sums up the work of a friction that slips."""
+        names = (_of(x, f"{x.name}.{end}") for end in ("side", "slip"))
+        value = written("a*b*c", x.span, *names, x.value)
+        units = si_text(self.energy_dimension), si_text(self.power_dimension)
+        name = f"loss({x.name})"
+        self.parts["states"].append(m.State(name, None, *units, "", x.span))
+        self.parts["rates"].append(m.Rate(name, None, None, value, x.span))
+
+    def _event(self, name: str, value: Expr, x: Meeting, when: int, description: str = "") -> None:
         made = m.Event(name, value, -1, False, "", description, x.span, mode=x.name, when=when)
         self.parts["events"].append(made)
 
 
-def _of(x: m.Contact | m.Friction, name: str) -> Name:
+def _of(x: Meeting, name: str) -> Name:
     return Name(name, None, x.span)
 
 
-def _multiplier(x: m.Contact | m.Friction) -> Name:
+def _multiplier(x: Meeting) -> Name:
     """Returns the multiplier of a contact or a friction, which may be a member of a family."""
     name, index = parted(x.name)
     at = None if index is None else Number(Fraction(index), x.span)

@@ -94,6 +94,9 @@ class Dynamics(Checks):
         Returns None after an error. `around` is the scope of a value that depends on the loop
         variable of a swarm, or of a value after an event."""
         left = item.left
+        mode = self.names.table.get(left.name)
+        if mode is not None and mode.kind == "mode" and around is None:
+            return self._begin(item)
         around = around or Scope(PLACES["start"])
         if self.names.hamiltonian and (found := self._momentum(item, around)):
             return found
@@ -120,6 +123,16 @@ class Dynamics(Checks):
         target = as_is(left.name + "'" * item.order, dimension)
         value, _ = self.wanted(item.value, scope, target)
         return (m.Start(left.name, left.index, left.range, item.order, value, item.span),)
+
+    def _begin(self, item: st.StartItem) -> tuple[m.Start, ...]:
+        """Checks `start MODE = 1`: the mode is on at the start; 0: off."""
+        _, facts = self.checked(item.value, Scope(PLACES["start"]))
+        if facts.value not in (0, 1) or item.order:
+            message = f"'{item.left.name}' is a mode: it starts with 1, on, or 0, off"
+            self.error(message, item.value, f"start {item.left.name} = 1")
+        else:
+            self.expressions.begins[item.left.name] = facts.value == 1
+        return ()
 
     def _momentum(self, item: st.StartItem, around: Scope) -> tuple[m.Start, ...]:
         """Checks the start of a momentum, in a model with `hamiltonian`. Returns () for a start of
@@ -170,9 +183,7 @@ class Dynamics(Checks):
         made = m.Event(statement.name, value, *how, *shown, statement.limit, tuple(then))
         self.parts["events"].append(made)
 
-    def _after(
-        self, item: st.StartItem, then: tuple[st.StartItem, ...]
-    ) -> tuple[m.Start, ...]:
+    def _after(self, item: st.StartItem, then: tuple[st.StartItem, ...]) -> tuple[m.Start, ...]:
         """Checks a value after an event: of what moves, or of a memory cell."""
         left, scope = item.left, Scope(PLACES["then"])
         same = [x for x in then if x.order == item.order and x.function == item.function]

@@ -85,7 +85,8 @@ def ends_of(item: m.Parameter, values: dict, sizes: Mapping[str, int], report: R
 
 
 def within(value, bounds: m.Bounds, ends) -> bool:
-    lo, hi = ends
+    # as doubles, which the C compares: -0.1 is not the fraction -1/10
+    value, (lo, hi) = float(value), (end if end is None else float(end) for end in ends)
     above = lo is None or (value > lo if bounds.lo_open else value >= lo)
     below = hi is None or (value < hi if bounds.hi_open else value <= hi)
     return above and below

@@ -18,7 +18,7 @@ from dataclasses import fields, replace
 
 from ...equations import Constraints, Matrix, Row, Rows
 from ...graph.differentiate import Forward, gradient
-from ...graph.graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node
+from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
 from ...graph.normal import Normal
 from ...graph.solve import (
     Factors,
@@ -31,6 +31,7 @@ from ...graph.solve import (
 )
 from ..motion import RATES, Motion
 from ..quantities import symbols
+from .meet import met
 
 
 class CannotConstrain(Exception):
@@ -69,7 +70,7 @@ def constrain(
     beside = tuple(_row(g, more, k, v) for k in range(len(more.residual))) if more else ()
     values: Row = ()
     if rows.meetings:
-        multipliers, solution, pivots, binding, values = _met(g, motion, factored, rows, J, gamma)
+        multipliers, solution, pivots, binding, values = met(g, motion, factored, rows, J, gamma)
         shares: Matrix = ()
     else:
         multipliers, solution, pivots, shares = _solved(g, motion, factored, J, gamma, beside)
@@ -193,89 +194,6 @@ def _solved(
     ]
     solution = Solution(factored.backward(g, z), factored.beside(motion.mass))
     return multipliers, solution, found.pivots, tuple(shares)
-
-
-def _met(
-    g: Graph, motion: Motion, factored: Factors, rows: Rows, J: Matrix, gamma: list[Node]
-) -> tuple[Row, Solution, Pivots, list[Node], Row]:
-    """Returns, of rows some of which hold at times (contacts.py), the multipliers, the
-    accelerations with the pivots of M, the pivots of the matrix of the multipliers, the forces, and
-    Constraints.values. The multiplier of a friction that slips is its force."""
-    on, along, force = [ONE] * len(J), [*J], motion.force
-    numbers = {x.name: x.row for x in rows.meetings}
-    for x in rows.meetings:
-        on[x.row] = x.mode
-        if x.side is None:
-            continue
-        rest, factor = (g.multiply(x.side, bound) for bound in x.bounds[:2])
-        force = tuple(g.subtract(f, g.multiply(rest, w)) for f, w in zip(force, J[x.row]))
-        if x.of:
-            j = numbers[x.of]
-            along[j] = tuple(
-                g.subtract(a, g.multiply(factor, w)) for a, w in zip(along[j], J[x.row])
-            )
-    columns = [factored.forward(g, row) for row in J]
-    pushed = [factored.forward(g, row) for row in along]
-
-    def product(a: list[Node], b: list[Node]) -> Node:
-        return g.sum(g.multiply(w, g.multiply(x, y)) for x, y, w in zip(a, b, factored.inverses))
-
-    def given(force: Row) -> list[Node]:
-        z = factored.forward(g, force)
-        return [g.negate(g.add(product(c, z), own)) for c, own in zip(columns, gamma)]
-
-    S = [[product(a, b) for b in pushed] for a in columns]
-    sizes = [product(a, a) for a in columns]
-
-    def solved(on: list[Node], wanted: list[Node]) -> tuple[list[Node], list[Node]]:
-        A = [
-            [g.multiply(a, entry) if i == j else g.multiply(a, g.multiply(b, entry)) for j, (b, entry) in enumerate(zip(on, row))]
-            for i, (a, row) in enumerate(zip(on, S))
-        ]
-        for i, a in enumerate(on):
-            A[i][i] = g.add(A[i][i], g.subtract(ONE, a))
-        return eliminated(g, A, [g.multiply(a, b) for a, b in zip(on, wanted)])
-
-    found, pivots = solved(on, given(force))
-    free = given(motion.force)
-    always = [a if a == ONE else ZERO for a in on]
-    bound, _ = solved(always, free)
-    values: list[Node] = []
-    for x in rows.meetings:
-        pull = g.dot([S[x.row][j] if always[j] == ONE else ZERO for j in range(len(J))], bound)
-        values += [g.subtract(pull, free[x.row]), *x.bounds]
-    multipliers = [*found]
-    for x in rows.meetings:
-        if x.side is not None:
-            slide = x.bounds[0]
-            if x.of:
-                slide = g.add(slide, g.multiply(x.bounds[1], found[numbers[x.of]]))
-            multipliers[x.row] = g.subtract(found[x.row], g.multiply(x.side, slide))
-    binding = [g.dot(column, multipliers) for column in zip(*J)]
-    z = factored.forward(g, tuple(map(g.add, motion.force, binding)))
-    solution = Solution(factored.backward(g, z), factored.beside(motion.mass))
-    sizes = [g.add(g.multiply(a, s), g.subtract(ONE, a)) for a, s in zip(on, sizes)]
-    return tuple(multipliers), solution, tuple(zip(pivots, sizes)), binding, tuple(values)
-
-
-def eliminated(g: Graph, A: list[list[Node]], b: list[Node]) -> tuple[list[Node], list[Node]]:
-    """Returns the solution x of A x = b by Gauss's elimination without exchanges, and its
-    pivots."""
-    n = len(b)
-    for k in range(n):
-        inverse = g.power(A[k][k], -1)
-        for i in range(k + 1, n):
-            factor = g.multiply(A[i][k], inverse)
-            if factor == ZERO:
-                continue
-            for j in range(k + 1, n):
-                A[i][j] = g.subtract(A[i][j], g.multiply(factor, A[k][j]))
-            b[i] = g.subtract(b[i], g.multiply(factor, b[k]))
-    x = [ZERO] * n
-    for k in reversed(range(n)):
-        rest = g.subtract(b[k], g.dot(A[k][k + 1 :], x[k + 1 :]))
-        x[k] = g.divide(rest, A[k][k])
-    return x, [A[k][k] for k in range(n)]
 
 
 def _workless(g: Graph, rows: Rows, J: Matrix, v: Row) -> bool:

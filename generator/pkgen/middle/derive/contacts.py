@@ -11,63 +11,88 @@ J_j - s f_j w. The matrix of the multipliers is that of constrain.py, without sy
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
-from ...equations import Meeting, Quantity, Rows
+from ...equations import Constraints, Meeting, Quantity, Rows
 from ...graph.differentiate import gradient, symbols_in
 from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Symbol
 from ...graph.normal import Normal
 from ...graph.substitute import substituted
 from ...indices import multiplied, multipliers, parted
 from ...model import Contact, Friction, Mode
-from ...tree import Expr, names as names_in
+from ...tree import Expr
+from ...tree import names as names_in
 from ..expand.expand import Expander
 from ..quantities import error, symbols
 
 _PUSHES = BIT[Kind.ACCELERATION]  # symbols of multipliers, behind those of the accelerations
 
 
-def with_meetings(x: Expander, rows: Rows | None) -> Rows | None:
-    """Returns the rows that always hold, and those of contacts and frictions; latches are among
-    the former."""
+def without_latches(x: Expander, rows: Rows | None) -> tuple[Rows | None, Rows | None]:
+    """Returns the rows that always hold, and those of modes, which need not hold at the start."""
+    latched = {name for mode in x.model.modes for name in mode.constraints}
+    if rows is None or not latched:
+        return rows, None
+    of = [_declared(q.name) in latched for q in rows.names]
+    parts = ([k for k, is_latched in enumerate(of) if is_latched == which] for which in (0, 1))
+    always, held = (rows.picked(part) if part else None for part in parts)
+    return always, held
+
+
+def with_meetings(x: Expander, rows: Rows | None, latched: Rows | None) -> Rows | None:
+    """Returns the rows that always hold with those of contacts, frictions and modes."""
     model = x.model
     if not model.meets:
         return rows
-    places: list[tuple] = []
-    rates: list[tuple] = []
-    pushes = [
-        x.graph.symbol(Symbol(Kind.ACCELERATION, x.count + k)) for k in range(len(model.contacts))
+    parts = [part for part in (rows, latched) if part is not None]
+    places = [
+        row for c in parts for row in zip(c.names, c.positions, c.residual, c.spans, strict=False)
     ]
-    for item, push in zip(model.contacts, pushes, strict=True):
+    for item in model.contacts:
         with x.statement(item.span):
             gap = x.scalar(item.gap)
-            places.append((item, gap, x.derivative(gap)))
-        x.define(*parted(multipliers(item.name)[0]), push)
+            places.append((_quantity(item), gap, x.derivative(gap), item.span))
+    of_rates = [
+        (q, node, node, span)
+        for c in parts
+        for q, node, span in [*zip(c.names, c.residual, c.spans, strict=True)][c.holonomic :]
+    ]
     for item in model.frictions:
+        slip = x.defined[f"{item.name}.slip"][None]
+        of_rates.append((_quantity(item), slip, slip, item.span))
+    names, nodes, residual, spans = zip(*places, *of_rates, strict=True)
+    number = {q.name: k for k, q in enumerate(names)}
+    meetings = [_contact(x, item, number) for item in model.contacts]
+    meetings += [_friction(x, item, number) for item in model.frictions]
+    for mode in model.modes:
+        of = [k for name, k in number.items() if _declared(name) in mode.constraints]
+        meetings += [_latch(x, mode, k) for k in of]
+    given = nodes[: len(places)], residual, spans, rows and rows.redundant
+    return Rows(names, len(places), *given, tuple(meetings))
+
+
+def pushes(x: Expander) -> list[Node]:
+    """Returns symbols that stand for the multipliers of the contacts until these are known."""
+    count = len(x.model.contacts)
+    return [x.graph.symbol(Symbol(Kind.ACCELERATION, x.count + k)) for k in range(count)]
+
+
+def with_multipliers(x: Expander, c: Constraints, rates: dict[Node, Node]) -> dict[Node, Node]:
+    """Returns the rates of states with the multipliers in place of their symbols."""
+    known = dict(zip((q.name for q in c.names), c.multipliers, strict=True))
+    found = [known[multipliers(item.name)[0]] for item in x.model.contacts]
+    swap = dict(zip(pushes(x), found, strict=True))
+    return dict(zip(rates, substituted(x.graph, rates.values(), swap), strict=True))
+
+
+def define_contacts(x: Expander) -> None:
+    """Defines the multipliers of contacts by symbols, and the slips of frictions."""
+    for item, push in zip(x.model.contacts, pushes(x), strict=True):
+        x.define(*parted(multipliers(item.name)[0]), push)
+    for item in x.model.frictions:
         with x.statement(item.span):
             slip = _tangent(x, item) if item.slip is None else x.scalar(item.slip)
             x.define(f"{item.name}.slip", None, slip)
-            rates.append((item, slip, slip))
-    return _joined(x, rows, places, rates, pushes)
-
-
-def _joined(x: Expander, rows: Rows | None, places: list, rates: list, pushes: list) -> Rows:
-    none = Rows((), 0, (), (), ())
-    own, h = rows or none, (rows or none).holonomic
-    merged = [*zip(own.names[:h], own.positions, own.residual, own.spans, strict=False)]
-    merged += [(_quantity(item), node, rate, item.span) for item, node, rate in places]
-    holonomic = len(merged)
-    free = zip(own.names[h:], own.residual[h:], own.residual[h:], own.spans[h:], strict=True)
-    merged += [*free, *((_quantity(item), node, node, item.span) for item, node, _ in rates)]
-    names, nodes, residual, spans = zip(*merged, strict=True)
-    number = {q.name: k for k, q in enumerate(names)}
-    found = [_contact(x, item, number) for item, *_ in places]
-    found += [_friction(x, item, number, pushes) for item, *_ in rates]
-    for mode in x.model.modes:
-        of = [k for name, k in number.items() if _declared(name) in mode.constraints]
-        found += [_latch(x, mode, k) for k in of]
-    given = nodes[:holonomic], residual, spans, own.redundant
-    return Rows(names, holonomic, *given, tuple(found))
 
 
 def _declared(name: str) -> str:
@@ -90,14 +115,12 @@ def _contact(x: Expander, item: Contact, number: dict[str, int]) -> Meeting:
         mode=x.input(f"{item.name}.on"),
         events=(item.name, f"1{item.name}"),
         bounds=(restitution, ZERO, ZERO, ZERO),
-        poisson=item.poisson,
+        flag=item.poisson,
     )
 
 
-def _friction(
-    x: Expander, item: Friction, number: dict[str, int], pushes: Sequence[Node]
-) -> Meeting:
-    g = x.graph
+def _friction(x: Expander, item: Friction, number: dict[str, int]) -> Meeting:
+    g, known = x.graph, pushes(x)
     with x.statement(item.span):
         slides = x.scalar(item.value)
         sticks = slides if item.static is None else x.scalar(item.static)
@@ -109,8 +132,9 @@ def _friction(
             message = "a friction is a linear function of one multiplier"
             raise error(x.model, message, item.span, "friction s = mu*lambda_floor")
         factor = ZERO
-        for push, factor in by.items():
-            of = x.model.contacts[pushes.index(push)].name
+        for push, slope in by.items():
+            factor = slope
+            of = x.model.contacts[known.index(push)].name
         rest = _without(g, force)
         bounds += [rest, factor]
     return Meeting(
@@ -133,6 +157,7 @@ def _latch(x: Expander, mode: Mode, row: int) -> Meeting:
         mode=x.input(f"{mode.name}.on"),
         events=(mode.on, mode.off),
         bounds=(ZERO,) * 4,
+        flag=mode.begins,
     )
 
 
