@@ -285,7 +285,9 @@ static enum pk_status baoab_step(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
-#define HEUN(of) .needs = PK_NEEDS_HEUN, .size = heun_size, .step = heun_step
+/* On linear equations heun is as stable as rk2. */
+#define HEUN(of) \
+    .formula = &pk_method_rk2, .needs = PK_NEEDS_HEUN, .size = heun_size, .step = heun_step
 #define LANGEVIN(of) \
     .needs = PK_NEEDS_LANGEVIN, .size = langevin_size, .init = langevin_init, .step = of##_step
 PK_METHODS_HEUN(PK_DEFINE_METHOD, HEUN)
