@@ -73,6 +73,28 @@ def test_members_are_the_same_for_any_threads_and_shards(
     assert len({line.partition(",")[2] for line in each[0]}) > 80
 
 
+PLAN = """until = 2
+method = "baoab"
+step = 0.1
+members = 12
+seed = {}
+keep = ["final"]
+[random]
+x = "0.99 .. 1 [m]"
+"""
+
+
+@pytest.mark.needs_addon
+def test_a_sweep_has_the_seed_of_its_plan_in_any_shards(model: Path, tmp_path: Path) -> None:
+    sets = []
+    for seed, shard in ((3, 12), (3, 5), (4, 5)):
+        plan, made = tmp_path / "plan.toml", tmp_path / f"made{seed}{shard}"
+        plan.write_text(PLAN.format(seed))
+        ran("sweep", model, "--plan", plan, "--shard", shard, "-o", made)
+        sets.append((made / "data" / "part-000000.parquet").read_bytes())
+    assert sets[0] == sets[1] != sets[2]
+
+
 def test_a_program_has_the_seed_too(model: Path, tmp_path: Path) -> None:
     made = tmp_path / "program"
     ran("build", model, "-o", made)
