@@ -27,11 +27,11 @@ ROOT = Path(__file__).resolve().parent
 os.environ.setdefault("PKGEN_SEEDS_DATE", date.today().isoformat())  # workers have it too
 PAGES = sorted([ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("addons/*/*.md")])
 MODELS = sorted((ROOT / "models").glob("*.lag"))
-# Models that live pages and other hosts run: they refuse sample blocks.
+# Models that live pages and other hosts run: they refuse sample blocks and noise.
 HOSTED = [
     path
     for path in sorted((ROOT / "models").rglob("*.lag"))
-    if "\nsample " not in path.read_text(encoding="utf-8")
+    if not {"sample", "noise"} & {*(x.partition(" ")[0] for x in path.read_text("utf-8").split("\n"))}
 ]
 STRICT = [
     "-std=c99",

@@ -93,6 +93,16 @@ class Linear:
 
 
 @record
+class Noise:
+    """Independent white noises: for each its name, its intensity S, and the accelerations M^-1 d by
+    a unit force along its direction d."""
+
+    names: tuple[str, ...]
+    intensities: Row
+    accelerations: Matrix
+
+
+@record
 class Hamiltonian:
     """The canonical form in (q, p): q' = dH/dp, p' = -dH/dq + applied."""
 
@@ -287,6 +297,7 @@ class Equations:
     particles: Particles | None = None  # None: not requested
     flight: Equations | None = None  # for C: these while no contact, friction or latch holds
     fast: Row | None = None  # acceleration by the `fast` terms of V; None if no term is fast
+    noise: Noise | None = None
 
     @property
     def moving(self) -> tuple[str, ...]:

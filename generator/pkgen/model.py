@@ -217,6 +217,16 @@ class Load(Given):
 
 
 @record
+class Noise(Given):
+    """`noise` along a coordinate, or at a point, whose rate is `velocity`. `value` is the two-sided
+    intensity S of a random force F, with <F(t) F(s)> = S delta(t - s); at a point a vector of the
+    intensities along x, y and z. Messages name it by `label` and its index."""
+
+    velocity: Expr | None
+    label: str
+
+
+@record
 class Sample:
     """`sample NAME every T offset T0 delay K`. `steps` are its definitions, which only later steps
     see, and its assignments to inputs and memory cells, in order."""
@@ -465,6 +475,7 @@ class Model:
     contacts: tuple[Contact, ...] = ()
     frictions: tuple[Friction, ...] = ()
     modes: tuple[Mode, ...] = ()
+    noises: tuple[Noise, ...] = ()
 
     @property
     def meets(self) -> bool:
@@ -473,8 +484,9 @@ class Model:
 
     @property
     def struck(self) -> bool:
-        """Whether the motion may change at once: by values after events, or by contacts."""
-        return bool(self.resetting) or self.meets
+        """Whether the motion changes besides its equations: by values after events, by contacts,
+        or by noise."""
+        return bool(self.resetting) or self.meets or bool(self.noises)
 
     @property
     def resetting(self) -> tuple[Event, ...]:

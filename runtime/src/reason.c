@@ -115,6 +115,10 @@ static int refused(const struct pk_integrator *it, char *text, size_t size)
         if (pk_missing_facts(system, it->method) & fact_text[i].fact)
             return TELL("%s needs a system that is %s; %s is not", it->method->name,
                         fact_text[i].text, system->name);
+    if (system->noise.n && !(it->method->traits & PK_NOISE))
+        return TELL("%s takes no noise, and %s has some, on %s: take baoab, stochastic_verlet or "
+                    "heun",
+                    it->method->name, system->name, system->noise.names[0]);
     if (pk_sides_missing(it) && system->switches.impulses)
         return TELL("the rates of %s jump where one of its switches vanishes: make steps by "
                     "pk_events_step(), which does what follows there",
@@ -278,6 +282,9 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         system->events.table[it->event - 1].what.name, t);
         return TELL("%s at t = %.17g", what, t);
     case PK_NOT_FINITE:
+        if (system->noise.n && kind == PK_OF_NOISE)
+            return SAY("the intensity of the noise on %s is %.6g, and must not be negative",
+                       system->noise.names[index], value);
         if (it->event > system->events.n) {
             const size_t k = it->event - 1 - system->events.n;
             pk_system_switch_name(system, it->problem.params, k, name, sizeof name);

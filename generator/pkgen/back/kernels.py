@@ -14,7 +14,7 @@ from .kernel_spec import KernelSpec, pivot_checks
 from .targets import Target
 
 # Kernels of a model that is generated to be embedded, without the runtime's tables.
-PLAIN = frozenset(("acceleration", "energy", "force", "mass", "observe"))
+PLAIN = frozenset(("acceleration", "energy", "force", "mass", "noise", "observe"))
 # Kernels of the canonical form, in q and p: `pkgen MODEL.lag --canonical`.
 CANONICAL = frozenset(("hamiltonian", "hamilton", "hamilton_force"))
 # Kernels with which the runtime keeps constraints: generated even if a user selects other kernels.
@@ -126,6 +126,11 @@ _SPECS = (
         copies=True,
     ),
     KernelSpec("fast", "the part of a that is named fast", lambda e: {"a": e.fast}),
+    KernelSpec(
+        "noise",
+        "white noises: the intensity S of each, and the accelerations by a unit force along it",
+        lambda e: e.noise and {"S_out": e.noise.intensities, "G_out": e.noise.accelerations},
+    ),
     _scalar("energy", "h = v.p - L"),
     _scalar("lagrangian", "L"),
     _scalar("kinetic", "T"),

@@ -265,6 +265,7 @@ def _summary(report: dict, verbose: bool) -> list[str]:
         f"{method}: t = {report['t']:g} after {report['steps']} steps{_length(report)}, "
         f"{report['rejections']} rejected, {evaluations} evaluation{'s' * (evaluations != 1)}, "
         f"{1000 * report['seconds']:.3g} ms"
+        + (f", seed {report['seed']}" if "seed" in report else "")
     ]
     if report["held"] > HELD * report["steps"]:
         lines.append(

@@ -71,6 +71,7 @@ dissipation single   dynamics.energy     dissipation -     power  b/2*x'^2
 fast        single   dynamics.energy     fast        -     energy k/2*x^2
 force       force    forces.force        forces      first -      COORDINATE = EXPRESSION
 torque      force    forces.torque       loads       first -      BODY = [X, Y, Z]
+noise       force    forces.noise        noises      -     -      COORDINATE = INTENSITY
 constraint  equation constraints.equation constraints -    energy NAME: A = B
 rolling     equation constraints.equation constraints -    power  NAME: A = B
 event       event    dynamics.event      events      first -      NAME: EXPRESSION rising
@@ -98,7 +99,7 @@ IN_SAMPLE = frozenset(("memory", "let", "set"))
 _SOFT = frozenset(("draw", "view", "fast", "body", "joint", "gravity", "torque", "hamiltonian"))
 # These words are keywords only at the start of a line, and only before a name or a string.
 _BEFORE_NAME = frozenset(
-    ("table", "use", "sample", "memory", "exact", "impact", "contact", "friction", "mode")
+    ("table", "use", "sample", "memory", "exact", "impact", "contact", "friction", "mode", "noise")
 )
 # Columns: keyword, key of SYNTAX, method that checks, how many a scene may have, form.
 _SCENE = """

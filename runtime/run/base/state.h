@@ -73,7 +73,7 @@ struct control {
 };
 
 /* Name and hash of a setting. A checkpoint can only be resumed by a run with the same hashes. */
-enum { MARKS = 37 };
+enum { MARKS = 38 };
 struct mark {
     const char *name;
     uint64_t of;

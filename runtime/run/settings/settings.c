@@ -67,6 +67,7 @@ static const char *steps(struct settings *s)
     s->options.h_max = (pk_real)x->h_max;
     s->options.max_steps = x->max_steps;
     s->options.iteration = x->fixed_point ? PK_FIXED_POINT : PK_NEWTON;
+    s->options.seed = x->seed;
     s->until = (pk_real)x->until;
     s->every = (pk_real)x->every;
     if (!(x->until > 0) || !isfinite(x->until))

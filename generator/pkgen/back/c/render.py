@@ -61,6 +61,7 @@ SYSTEM_KERNELS = {
     "particles": "particles.at",
     "sampling": "samples.start",
     "meeting": "contacts.values",
+    "noise": "noise.values",
 }
 
 # Files that connect a model's header and source to the runtime, and their templates.
@@ -306,6 +307,7 @@ def _context(program: Program) -> dict[str, Any]:
         "has_linear": int("linear" in present),
         "has_parts": int({"kinetic", "potential"} <= present),
         "input_rates": tables.input_rates(equations.inputs),
+        "noises": equations.noise.names if equations.noise else (),
         "held": tables.held(equations),
         "reset_events": tables.reset_events(equations),
         "meetings": tables.meetings(equations),

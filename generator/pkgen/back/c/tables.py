@@ -132,6 +132,8 @@ def system_entries(program: Program) -> dict[str, object]:
         entries["switches.impulses"] = f"{own}_impulses"
     if program.tables:
         entries |= {"n_tables": len(program.tables), "tables": f"{own}_tables"}
+    if program.kernel("noise") is not None:
+        entries |= {"noise.n": len(e.noise.names), "noise.names": f"{own}_noises"}
     if e.model.consistent:
         entries["consistent"] = 1
     if e.counted:

@@ -158,7 +158,7 @@ def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple
     if open_ - acting:
         found = atoms(seen.normal, equations.lagrangian)
         acting |= {s.index for s in symbols_in(g, found, BIT[Kind.COORDINATE])} & open_
-    kept = () if equations.model.resetting else free - acting
+    kept = () if equations.model.resetting or equations.model.noises else free - acting
     return tuple(i in kept for i in range(n))
 
 

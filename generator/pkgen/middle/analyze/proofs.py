@@ -49,7 +49,7 @@ def claims_of(equations: Equations, blocks: Indices, jumping: bool) -> tuple[Cla
     if not equations.conserved:
         return ()
     if equations.model.struck:
-        why = "events, contacts or frictions change the motion, which no proof looks at"
+        why = "events, contacts, frictions or noise change the motion, which no proof looks at"
         return tuple(Claim(q.name, OPEN, why) for q in equations.conserved_names)
     along = Along(equations, blocks)
     ranges = Ranges(along.graph, [bounds_of(along.graph, x) for x in equations.parameters])

@@ -43,6 +43,7 @@ from .first_order import define_built_in, rates_of_states
 from .impulses import check_rates
 from .lagrange import Derived, derived, located
 from .legendre import hamiltonian_of, lagrangian_of, rates_at_start
+from .noise import noise_of
 from .resets import resets_of
 from .samples import sampled
 
@@ -148,6 +149,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         particles=bodies,
         attitudes=x.attitudes,
         fast=_fast(x, energies.fast, found),
+        noise=noise_of(x, found),
         **found.fields,
     )
     return located(equations, wanted)

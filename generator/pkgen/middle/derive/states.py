@@ -152,6 +152,7 @@ def _extended(e: Equations, wanted: Wanted, solved: bool) -> tuple[Equations, Mo
         marks=tuple(map(switch, e.marks)),
         **{x: there(getattr(e, x)) for x in ("observed", "conserved", "events", "sampled")},
         resets=tuple(map(there, e.resets)),
+        noise=e.noise and replace(e.noise, accelerations=wider(e.noise.accelerations)),
         start_q=(*e.start_q, *none),
         start_v=(*e.start_v, *e.state_start),
         states=(),

@@ -32,6 +32,7 @@ _UNROLLED = {
     "samples": "the model has a sample block",
     "resetting": "an event gives values",
     "meets": "the model has contacts, friction or latches",
+    "noises": "the model has noise",
     "loads": "a force acts at a point, or a torque in space",
 }
 

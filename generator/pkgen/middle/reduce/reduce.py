@@ -53,12 +53,12 @@ def reduce(
     state = State(equations, structure)
     for name, reduction in REDUCTIONS.items():
         # A reset writes all coordinates, also those that influence nothing.
-        whole = equations.resets or equations.model.meets
+        whole = equations.resets or equations.model.meets or equations.noise
         if name not in needs.off and (name == "outputs" or not whole):
             state = reduction(state, needs)
     g, parts, lines = equations.graph, (), state.report.lines
     # A system with switches is not split, since the runtime locates switches in one system only.
-    if APART not in needs.off and needs.apart and state.structure.smooth:
+    if APART not in needs.off and needs.apart and state.structure.smooth and not equations.noise:
         parts = parts_of(state.equations, state.structure, of_a_part(kernels))
     if parts:
         names = (", ".join(q.name for q in part.equations.coordinates) for part in parts)
