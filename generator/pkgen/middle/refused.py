@@ -14,6 +14,25 @@ _RUNS = "'pkgen run' and 'pkgen film' do"
 _LEFT = "leave the noise out, or take averages over members of 'pkgen run --ensemble'"
 OF_ROWS = frozenset(("spectrum", "area"))  # diagnostics that rows alone are needed for
 _OF_ROWS = f"'spectrum' and 'area' alone are of its rows; {AS_FORCE}"
+_BUILT = "'pkgen build' makes a program that does"
+_SMOOTH = "leave it out, or write a smooth force in its place"
+
+
+def _changes(message: str) -> dict[str, tuple[str, str]]:
+    """Returns the row of statements that change the motion at once."""
+    return {
+        "pkgen export": (message, _BUILT),
+        "pkgen show": (message, _RUNS),
+        "pkgen stability": (message, _SMOOTH),
+        "--enclose": (message, _SMOOTH),
+        "--diagnose": (message, "'spectrum' and 'area' alone are of its rows"),
+        "inputs": (
+            "a function or a table is no input beside events that change the motion",
+            "give it in the model: 'set d = sin(t)' in a scene, or --set \"d=sin(t)\"",
+        ),
+    }
+
+
 # For each field of Model that has the statements, and each command that refuses them: the message,
 # and what to do instead.
 _REFUSED = {
@@ -46,6 +65,8 @@ _REFUSED = {
         "--enclose": (_NO_NOISE, _LEFT),
         "--diagnose": (_NO_NOISE, "'spectrum' and 'area' alone are of its rows"),
     },
+    "resetting": _changes("{} knows no values after events"),
+    **dict.fromkeys(("contacts", "frictions", "modes"), _changes("{} knows no contacts")),
 }
 
 
