@@ -28,45 +28,29 @@ struct work {
     pk_real *S, *G, *z, *b, *k, *B, *E, *C, *Q, *pivot, *room, *h;
 };
 
-static size_t lay_out(struct work *w, const struct pk_system *system, size_t n_q, size_t n,
-                      int matrices, pk_real *base)
+/* The matrices are those of methods for linear friction. */
+static size_t lay_out(struct work *w, const struct pk_method *method, const struct pk_system *of,
+                      size_t n_q, size_t n, pk_real *base)
 {
-    const size_t m = w->noises = system->noise.n, nn = matrices ? n * n : 0;
-    const struct pk_slot slots[] = {{&w->S, m},
-                                    {&w->G, m * n},
-                                    {&w->z, m > n ? m : n},
-                                    {&w->b, 2 * n},
-                                    {&w->k, 2 * (n_q + n)},
-                                    {&w->B, nn},
-                                    {&w->E, nn},
-                                    {&w->C, nn},
-                                    {&w->Q, nn},
-                                    {&w->pivot, n},
-                                    {&w->room, 3 * nn},
-                                    {&w->h, 1}};
+    const size_t m = w->noises = of->noise.n, nn = method->init ? n * n : 0, y = n_q + n;
+    const struct pk_slot slots[] = {{&w->S, m},     {&w->G, m * n}, {&w->z, m > n ? m : n},
+                                    {&w->b, 2 * n}, {&w->k, 2 * y}, {&w->B, nn},
+                                    {&w->E, nn},    {&w->C, nn},    {&w->Q, nn},
+                                    {&w->pivot, n}, {&w->h, 1},     {&w->room, 3 * nn}};
     w->n = n;
     return PK_LAY_OUT(base, slots);
 }
 
-static size_t heun_size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
+static size_t noise_size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
     struct work w;
-    (void)method;
-    return lay_out(&w, problem->system, pk_coordinates_of(problem), n, 0, NULL);
+    return lay_out(&w, method, problem->system, pk_coordinates_of(problem), n, NULL);
 }
 
-static size_t langevin_size(const struct pk_method *method, const struct pk_problem *problem,
-                            size_t n)
+static struct work work_of(const struct pk_integrator *it)
 {
     struct work w;
-    (void)method;
-    return lay_out(&w, problem->system, n, n, 1, NULL);
-}
-
-static struct work work_of(const struct pk_integrator *it, int matrices)
-{
-    struct work w;
-    lay_out(&w, it->problem.system, it->n_q, it->n, matrices, it->own->work);
+    lay_out(&w, it->method, it->problem.system, it->n_q, it->n, it->own->work);
     return w;
 }
 
@@ -105,7 +89,7 @@ static enum pk_status increment(struct pk_integrator *it, const struct work *w, 
 static enum pk_status heun_step(struct pk_integrator *it, pk_real limit)
 {
     const size_t n_q = it->n_q, n = it->n, m = n_q + n;
-    const struct work w = work_of(it, 0);
+    const struct work w = work_of(it);
     const pk_real h = it->own->h, *y0 = it->own->state;
     const pk_real *low0 = pk_part(it->own->state, n_q, n, PK_LOW_Q);
     pk_real *y = it->own->next, *low = pk_part(y, n_q, n, PK_LOW_Q), *k0 = w.k, *k1 = w.k + m;
@@ -127,7 +111,7 @@ static enum pk_status heun_step(struct pk_integrator *it, pk_real limit)
 
 static enum pk_status langevin_init(struct pk_integrator *it)
 {
-    const struct work w = work_of(it, 1);
+    const struct work w = work_of(it);
     *w.h = 0;
     pk_zero(w.pivot, w.n);
     return pk_drag_matrix(it, w.pivot, w.b, w.b + w.n, w.B);
@@ -144,14 +128,15 @@ static enum pk_status at_rest(struct pk_integrator *it, const struct work *w, pk
 /* Returns g at the start of the step: that of the last step, or a new one. */
 static enum pk_status at_start(struct pk_integrator *it, const struct work *w, const pk_real **g)
 {
-    *g = pk_state(it, PK_A);
-    return it->own->flags & PK_HAVE_A ? PK_DONE : at_rest(it, w, it->t, it->q, pk_state(it, PK_A));
+    pk_real *own = w->k + 2 * w->n;
+    *g = it->own->flags & PK_HAVE_A ? pk_state(it, PK_A) : own;
+    return *g == own ? at_rest(it, w, it->t, it->q, own) : PK_DONE;
 }
 
 static enum pk_status stochastic_verlet_step(struct pk_integrator *it, pk_real limit)
 {
     const size_t n = it->n;
-    const struct work w = work_of(it, 1);
+    const struct work w = work_of(it);
     const pk_real h = it->own->h, *q = it->q, *v = it->v, *g;
     pk_real *to = it->own->next, *low = pk_next(it, PK_LOW_Q), *g1 = pk_next(it, PK_A),
             *d = w.k + n;
@@ -271,7 +256,7 @@ static enum pk_status rub(struct pk_integrator *it, const struct work *w, pk_rea
 static enum pk_status baoab_step(struct pk_integrator *it, pk_real limit)
 {
     const size_t n = it->n;
-    const struct work w = work_of(it, 1);
+    const struct work w = work_of(it);
     const pk_real h = it->own->h, *g;
     pk_real *to = it->own->next, *g1 = pk_next(it, PK_A);
     (void)limit;
@@ -287,8 +272,8 @@ static enum pk_status baoab_step(struct pk_integrator *it, pk_real limit)
 
 /* On linear equations heun is as stable as rk2. */
 #define HEUN(of) \
-    .formula = &pk_method_rk2, .needs = PK_NEEDS_HEUN, .size = heun_size, .step = heun_step
+    .formula = &pk_method_rk2, .needs = PK_NEEDS_HEUN, .size = noise_size, .step = heun_step
 #define LANGEVIN(of) \
-    .needs = PK_NEEDS_LANGEVIN, .size = langevin_size, .init = langevin_init, .step = of##_step
+    .needs = PK_NEEDS_LANGEVIN, .size = noise_size, .init = langevin_init, .step = of##_step
 PK_METHODS_HEUN(PK_DEFINE_METHOD, HEUN)
 PK_METHODS_LANGEVIN(PK_DEFINE_METHOD, LANGEVIN)
