@@ -77,7 +77,9 @@ class Motion:
     def __init__(self, system: System):
         self.s = s = system
         rates = s.rates or [f"{q}'" for q in s.coordinates]
-        q, v = ([sp.Symbol(python(n), real=True) for n in names] for names in (s.coordinates, rates))
+        q, v = (
+            [sp.Symbol(python(n), real=True) for n in names] for names in (s.coordinates, rates)
+        )
         t = sp.Symbol("t", real=True)
         held = [sp.Symbol(f"held{k}", real=True) for k in range(len(s.switches))]
         cells = [sp.Symbol(c, real=True) for c in s.cells]
@@ -89,7 +91,9 @@ class Motion:
         moves = [of(x) for x in s.moves] or v
 
         def rate(expr: sp.Expr) -> sp.Expr:
-            return sp.diff(expr, t) + sum(sp.diff(expr, x) * m for x, m in zip(q, moves, strict=True))
+            return sp.diff(expr, t) + sum(
+                sp.diff(expr, x) * m for x, m in zip(q, moves, strict=True)
+            )
 
         if s.mass:
             M = sp.Matrix([[of(x) for x in row] for row in s.mass])
@@ -197,7 +201,7 @@ class Motion:
         for row in self.slips:
             if row in self.rub and self.rub[row] not in closed:
                 continue
-            if row in forced and forced[row]:
+            if forced.get(row):
                 fixed_slips[row] = forced[row]
             elif abs(rate[row]) < CLOSE or row in forced:
                 free_slips.append(row)
@@ -303,9 +307,7 @@ class Motion:
         normals, rate = sorted(touching), p["rate"]
         if any(CLOSE < abs(rate[k]) < DOUBTFUL for k in normals):
             raise Doubt("an impact grazes")
-        if all(rate[k] > -CLOSE for k in normals) and all(
-            abs(rate[k]) < CLOSE for k in self.fixed
-        ):
+        if all(rate[k] > -CLOSE for k in normals) and all(abs(rate[k]) < CLOSE for k in self.fixed):
             return s
         if any(rate[k] > CLOSE for k in normals):
             raise Doubt("a contact opens while another closes")
@@ -320,10 +322,7 @@ class Motion:
                 for k, y in impulses.items():
                     b = b + A[:, k] * y
             more = self.linear(p, b, normals, back) if any(back.values()) else {}
-            x = {
-                k: x.get(k, 0.0) + back.get(k, 0.0) + more.get(k, 0.0)
-                for k in {*x, *back, *more}
-            }
+            x = {k: x.get(k, 0.0) + back.get(k, 0.0) + more.get(k, 0.0) for k in {*x, *back, *more}}
         else:
             b = rate.copy()
             for k in normals:  # a tangent's rate is not changed
@@ -395,7 +394,10 @@ class Motion:
             old if abs(x) < 1e-9 else int(x > 0)
             for old, x in zip(self.held, p["switch"], strict=True)
         ]
-        if any(abs(x) > DOUBTFUL and (x > 0) != (y > 0) for x, y in zip(p["event"], self.sides)):
+        if any(
+            abs(x) > DOUBTFUL and (x > 0) != (y > 0)
+            for x, y in zip(p["event"], self.sides, strict=False)
+        ):
             raise Doubt("an impact jumps across an event")
         self.settle(t, s, touching, forced)
         return self.straight(t, s)
@@ -450,9 +452,7 @@ class Motion:
                 elif kind == "opens":
                     forced[k] = 0
                 elif kind == "slips":
-                    _, lam, _ = self.solve(
-                        p, [*self.shut, *self.fixed, *self.stuck], self.slides
-                    )
+                    _, lam, _ = self.solve(p, [*self.shut, *self.fixed, *self.stuck], self.slides)
                     if self.deficient:
                         raise Doubt("which of several slips first")
                     forced[k] = -1 if lam[k] > 0 else 1
@@ -532,8 +532,10 @@ class Motion:
                         elif x < -1e-8:
                             raise Doubt(f"{key} begins wrong")
                     elif x <= 0:
+
                         def of(u, key=key, flow=flow):
                             return self.watched(u, flow(u))[key]
+
                         at = brentq(of, a, b, xtol=1e-15, rtol=1e-15) if of(a) > 0 else a
                         hits.append((at, key))
                     elif key[0] == "hits" and x < 1e-3:

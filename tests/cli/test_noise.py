@@ -99,7 +99,12 @@ def test_a_program_has_the_seed_too(model: Path, tmp_path: Path) -> None:
     made = tmp_path / "program"
     ran("build", model, "-o", made)
     for seed in ("7", "0"):
-        rows = subprocess.run([made, *BAOAB, "--every", "0.15", "--seed", seed], capture_output=True, text=True, check=True)
+        rows = subprocess.run(
+            [made, *BAOAB, "--every", "0.15", "--seed", seed],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
         assert rows.stdout == out("run", model, *BAOAB, "--every", "0.15", "--seed", seed)
     assert subprocess.run([made, "--seed", "x"], check=False).returncode == 2
 

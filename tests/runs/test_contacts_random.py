@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from contact_reference import Contact, Event, Friction, Motion, System
 
 import pkgen
 from conftest import long_but
-from contact_reference import Contact, Event, Friction, Motion, System
 
 LATE = ("contact", "friction", "constraint", "event", "start")
 UNTIL, EVERY = 3.0, 0.05
@@ -142,7 +142,11 @@ def points(d: Draft) -> None:
             r = f"sqrt(({x} - ({a}))^2 + ({y} - ({b}))^2)"
             n = f"norm(P{k} - [{a}, {b}, 0])"
             slip = f"(({y} - ({b}))*{x}' - ({x} - ({a}))*{y}')/{r}"
-            d.contact(*(f"{R} - {n}" if inside else f"{n} - {R}",), slip, f"{R} - {r}" if inside else f"{r} - {R}")
+            d.contact(
+                *(f"{R} - {n}" if inside else f"{n} - {R}",),
+                slip,
+                f"{R} - {r}" if inside else f"{r} - {R}",
+            )
         if d.chance(0.5):
             d.contact(f"{d.number(1.6, 2.4)} + {x}{moved(d)}", f"{y}'")
         if d.chance(0.2):
@@ -272,7 +276,9 @@ def rods(d: Draft) -> None:
 
 def spins(d: Draft) -> None:
     """A body in space that a point of it meets the floor."""
-    m, A, B, C, g = (d.number(a, b) for a, b in ((0.5, 2), (0.1, 0.4), (0.1, 0.4), (0.1, 0.4), (3, 9)))
+    m, A, B, C, g = (
+        d.number(a, b) for a, b in ((0.5, 2), (0.1, 0.4), (0.1, 0.4), (0.1, 0.4), (3, 9))
+    )
     r = [d.number(-0.4, 0.4) for _ in range(3)]
     s = d.system
     for name, at in zip("xyz", (0.0, 0.0, d.number(0.8, 1.2)), strict=True):
@@ -290,12 +296,39 @@ def spins(d: Draft) -> None:
         d.contact(f"z + (R*[{a[0]}, {a[1]}, {a[2]}]).z", "", f"z + {rz}")
     s.coordinates = ["x", "y", "z", "Q0", "Q1", "Q2", "Q3"]
     s.rates = ["x'", "y'", "z'", "w1", "w2", "w3"]
-    s.moves = ["x'", "y'", "z'", "(-Q1*w1 - Q2*w2 - Q3*w3)/2", "(Q0*w1 + Q2*w3 - Q3*w2)/2", "(Q0*w2 + Q3*w1 - Q1*w3)/2", "(Q0*w3 + Q1*w2 - Q2*w1)/2"]
+    s.moves = [
+        "x'",
+        "y'",
+        "z'",
+        "(-Q1*w1 - Q2*w2 - Q3*w3)/2",
+        "(Q0*w1 + Q2*w3 - Q3*w2)/2",
+        "(Q0*w2 + Q3*w1 - Q1*w3)/2",
+        "(Q0*w3 + Q1*w2 - Q2*w1)/2",
+    ]
     inertia = [m, m, m, A, B, C]
     s.mass = [[str(inertia[i]) if i == j else "0" for j in range(6)] for i in range(6)]
-    s.loads = ["0", "0", f"-{m}*{g}", f"({B} - {C})*w2*w3", f"({C} - {A})*w3*w1", f"({A} - {B})*w1*w2"]
+    s.loads = [
+        "0",
+        "0",
+        f"-{m}*{g}",
+        f"({B} - {C})*w2*w3",
+        f"({C} - {A})*w3*w1",
+        f"({A} - {B})*w1*w2",
+    ]
     d.lines.append(f"start omega(R) = [{w[0]}, {w[1]}, {w[2]}]")
-    d.own = [d.start["x"], d.start["y"], d.start["z"], 1.0, 0.0, 0.0, 0.0, d.start["x'"], d.start["y'"], d.start["z'"], *w]
+    d.own = [
+        d.start["x"],
+        d.start["y"],
+        d.start["z"],
+        1.0,
+        0.0,
+        0.0,
+        0.0,
+        d.start["x'"],
+        d.start["y'"],
+        d.start["z'"],
+        *w,
+    ]
 
 
 def switched(d: Draft, folder: Path) -> None:
@@ -309,7 +342,13 @@ def switched(d: Draft, folder: Path) -> None:
         return f"held{len(s.switches) - 1}"
 
     if d.chance(0.25):
-        condition = d.draw.choice((f"{at} - ({d.number(-0.5, 0.5)})", f"{at}' + ({d.number(-0.5, 0.5)})", f"sin({d.number(1, 4)}*t + 1)"))
+        condition = d.draw.choice(
+            (
+                f"{at} - ({d.number(-0.5, 0.5)})",
+                f"{at}' + ({d.number(-0.5, 0.5)})",
+                f"sin({d.number(1, 4)}*t + 1)",
+            )
+        )
         a, b = d.number(-2, 2), d.number(-2, 2)
         text = f"if({condition} > 0, {a}, {b})"
         d.push(q, text)
@@ -318,14 +357,18 @@ def switched(d: Draft, folder: Path) -> None:
     if d.chance(0.2):
         xs = np.round(np.cumsum([-0.6, *(d.number(0.2, 0.6) for _ in range(3))]), 3)
         ys = [d.number(-2, 2) for _ in xs]
-        (folder / "f.csv").write_text("".join(f"{a!r},{b!r}\n" for a, b in zip(xs.tolist(), ys)))
+        (folder / "f.csv").write_text(
+            "".join(f"{a!r},{b!r}\n" for a, b in zip(xs.tolist(), ys, strict=False))
+        )
         d.lines.insert(0, 'table f = "f.csv" x, y linear linear')
         text = f"f({at})"
         d.push(q, text)
         slopes = (np.diff(ys) / np.diff(xs)).tolist()
         own = f"({ys[0]} + ({slopes[0]!r})*({at} - ({xs[0]})))"
         for k in range(1, len(slopes)):
-            own += f" + ({slopes[k] - slopes[k - 1]!r})*({at} - ({xs[k]}))*{held(f'{at} - ({xs[k]})')}"
+            own += (
+                f" + ({slopes[k] - slopes[k - 1]!r})*({at} - ({xs[k]}))*{held(f'{at} - ({xs[k]})')}"
+            )
         d.holds[text] = own
     cell = d.chance(0.25)
     if cell:
@@ -338,7 +381,11 @@ def switched(d: Draft, folder: Path) -> None:
     if d.chance(0.3) and not s.constraints:
         kind = d.draw.choice(("time", "time", "place", "rate"))
         place = d.number(-0.4, 0.4)
-        condition = {"time": f"sin({d.number(1, 5)}*t + {d.number(0, 3)})", "place": f"{at} - ({place})", "rate": f"{at}' - ({place})"}[kind]
+        condition = {
+            "time": f"sin({d.number(1, 5)}*t + {d.number(0, 3)})",
+            "place": f"{at} - ({place})",
+            "rate": f"{at}' - ({place})",
+        }[kind]
         then = {}
         what = d.draw.choice(("turn", "jump", "all", *(["cell"] * cell)))
         if what == "turn":
@@ -391,7 +438,17 @@ def compared(seed: int, folder: Path) -> dict:
     times = np.linspace(0, UNTIL, round(UNTIL / EVERY) + 1)
     rows, end, why, log = motion.run(d.own, UNTIL, times)
     lost = list(motion.lost)
-    found = {"end": end, "why": why, "log": log, "text": text, "error": "", "worst": 0.0, "lost": 0.0, "hits": [], "wanted": []}
+    found = {
+        "end": end,
+        "why": why,
+        "log": log,
+        "text": text,
+        "error": "",
+        "worst": 0.0,
+        "lost": 0.0,
+        "hits": [],
+        "wanted": [],
+    }
     until = end if not why else end - 1e-5
     if until <= EVERY:
         return found
@@ -414,7 +471,10 @@ def compared(seed: int, folder: Path) -> dict:
     if not why:
         mine = [x["lost"] for x in run.report["contacts"] if x["name"].startswith("c")][: len(lost)]
         counts = [sum(x[1:] == ("hits", k) for x in log) for k in range(len(lost))]
-        found["wanted"], found["hits"] = counts, [len(run.events[f"c{k}"]) for k in range(len(lost))]
+        found["wanted"], found["hits"] = (
+            counts,
+            [len(run.events[f"c{k}"]) for k in range(len(lost))],
+        )
         found["lost"] = abs(sum(mine) - sum(lost)) / max(1.0, sum(map(abs, lost)))
     return found
 

@@ -137,7 +137,7 @@ struct pk_run_settings {
      * `at` never occurs, the start and the end are rows */
     int compared;
     unsigned long seed; /* of noise; member numbers are those of the streams */
-    double cap; /* limit in processor seconds; 0: no limit */
+    double cap;         /* limit in processor seconds; 0: no limit */
 
     size_t members; /* number of ensemble members; 0: one trajectory */
     size_t n_member_columns;

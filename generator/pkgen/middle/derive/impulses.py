@@ -175,9 +175,7 @@ def with_impulses(
         of_energy = counted[0] in arguments_of(e.graph, [e.lagrangian])
         of_row = [
             span
-            for node, span in (
-                () if of_energy else ((c.residual[k], c.spans[k]) for k in always)
-            )
+            for node, span in (() if of_energy else ((c.residual[k], c.spans[k]) for k in always))
             if counted[0] in arguments_of(e.graph, [node])
         ]
         raise _refused(e, f"L or a constraint jumps {where}", help, of_row)
