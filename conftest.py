@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -27,11 +28,11 @@ ROOT = Path(__file__).resolve().parent
 os.environ.setdefault("PKGEN_SEEDS_DATE", date.today().isoformat())  # workers have it too
 PAGES = sorted([ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("addons/*/*.md")])
 MODELS = sorted((ROOT / "models").glob("*.lag"))
-# Models that live pages and other hosts run: they refuse sample blocks.
+# Models that live pages and other hosts run: they refuse sample blocks and noise.
 HOSTED = [
     path
     for path in sorted((ROOT / "models").rglob("*.lag"))
-    if "\nsample " not in path.read_text(encoding="utf-8")
+    if not re.search(r"^(sample|noise|contact|impact|friction) ", path.read_text("utf-8"), re.M)
 ]
 STRICT = [
     "-std=c99",

@@ -152,14 +152,17 @@ def row(path: Path, name: str) -> Row:
 
 def _freedom(compilation: Compilation) -> tuple[int, int]:
     """Of the model and of what is left of it: coordinates, states and three for a rotation, less
-    the rows of constraints and of rolling."""
+    the rows of constraints and of rolling that always hold."""
     model, e = compilation.declared, compilation.equations
     declared = named.declared(compilation).count - len(model.rotations) - len(model.constraints)
+    declared += sum(len(mode.constraints) for mode in model.modes)
+    declared -= sum(state.name.startswith("loss(") for state in model.states)
     if compilation.looped:
         return declared, named.coordinates(compilation).count
     quaternions = sum(4 for a in e.attitudes if a.state >= 0)
-    rows = len(e.constraints.names) if e.constraints else 0
-    return declared, len(e.coordinates) - rows + len(e.states) - quaternions
+    rows = len(e.constraints.names) - len(e.constraints.meetings) if e.constraints else 0
+    losses = sum(q.name.startswith("loss(") for q in e.states)
+    return declared, len(e.coordinates) - rows + len(e.states) - quaternions - losses
 
 
 def _setting(report: dict, first: float | None) -> str:

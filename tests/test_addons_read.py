@@ -45,7 +45,7 @@ READ = {
     "enclose": """
         cli.compilation compiler equations front.check.scene_numbers functions
         graph.differentiate graph.graph graph.substitute graph.written indices
-        middle.jacobians middle.sampled run.named run.values scenes.compile_plan scenes.options
+        middle.jacobians middle.refused run.named run.values scenes.compile_plan scenes.options
         scenes.run_settings scenes.scene
     """,
     "film": """
@@ -76,7 +76,7 @@ READ = {
         run.build run.diagnostics run.ensemble run.header run.library run.named run.rows
         run.settings run.values scenes.compile_plan scenes.expects
     """,
-    "web": "cli.arguments cli.compilation cli.explain cli.messages middle.sampled",
+    "web": "cli.arguments cli.compilation cli.explain cli.messages middle.refused",
 }
 
 

@@ -15,7 +15,7 @@ THREADS_MOST = 1024  # with more threads a system may abort the program
 # Defaults of the options of an integration, by their names in Python.
 OPTIONS = {
     **dict.fromkeys(("until", "every", "step", "max_step", "rtol", "atol", "method", "record")),
-    **dict.fromkeys(("at", "ensemble", "threads", "diagnose", "no_reduce", "unroll")),
+    **dict.fromkeys(("at", "ensemble", "threads", "seed", "diagnose", "no_reduce", "unroll")),
     "iteration": ITERATIONS[0],
     "max_steps": MAX_STEPS,
     "watch": "all",

@@ -93,6 +93,16 @@ class Linear:
 
 
 @record
+class Noise:
+    """Independent white noises: for each its name, its intensity S, and the accelerations M^-1 d by
+    a unit force along its direction d."""
+
+    names: tuple[str, ...]
+    intensities: Row
+    accelerations: Matrix
+
+
+@record
 class Hamiltonian:
     """The canonical form in (q, p): q' = dH/dp, p' = -dH/dq + applied."""
 
@@ -139,6 +149,25 @@ class Attitude:
 
 
 @record
+class Meeting:
+    """A row that holds at times, of a contact, a friction or a latch; see struct pk_contact. A row
+    of friction has the force -side F while it slips. `bounds` of a contact begin with its
+    coefficient of restitution; those of a friction are F_0 and f of F = F_0 + f lambda, and the
+    same while it sticks, where lambda is the multiplier of the contact `of`. `flag`: a
+    contact has Poisson's law; a latch holds at the start."""
+
+    name: str
+    kind: str  # of enum pk_contact_kind, without PK_
+    row: int
+    mode: Node  # 1 while the row holds
+    events: tuple[str, str]
+    bounds: Row
+    flag: bool = False
+    side: Node | None = None
+    of: str = ""
+
+
+@record
 class Rows:
     """The constraint rows of a model. Each row has J v + j0; the first `holonomic` rows also have
     phi(t, q), and their J v + j0 is its time derivative."""
@@ -149,6 +178,7 @@ class Rows:
     residual: Row  # J v + j0; unit: that of phi per time, or that of the rolling equation
     spans: tuple[Span, ...]  # positions of the constraint statements
     redundant: Rows | None = None  # rows that at the start depend on these rows
+    meetings: tuple[Meeting, ...] = ()
 
     def picked(self, which: Sequence[int]) -> Rows:
         """Returns these rows alone."""
@@ -183,6 +213,7 @@ class Constraints(Rows):
     workless: bool  # j0 = 0, and nothing depends on t or inputs: the constraints do no work
     redundant_rows: Matrix = ()  # J of the redundant rows
     least: Row = ()  # multipliers of least norm: for these rows, then for redundant rows
+    values: Row = ()  # for each meeting the acceleration of its row if none holds, then its bounds
     shared: frozenset[int] = frozenset()  # indices in `least` of rows without a unique multiplier
 
 
@@ -239,6 +270,9 @@ class Equations:
     held_start: Row
     start_q: Row
     start_v: Row
+    # For each event with values after it (model.resetting), the coordinates, rates, states and
+    # inputs after it.
+    resets: tuple[Row, ...] = ()
     left_out: tuple[Diagnostic, ...] = ()  # warnings: constraints dropped as 0 = 0
     unrolled: str = ""  # the reason why families are not kept as loops
     hamiltonian: Hamiltonian | None = None  # None: not requested
@@ -261,7 +295,9 @@ class Equations:
     terms: tuple[Row, Row] | None = None  # for C: magnitudes of the terms of phi and of J v + j0
     redundant_terms: Row = ()  # for C: these magnitudes for redundant rows, phi then J v + j0
     particles: Particles | None = None  # None: not requested
+    flight: Equations | None = None  # for C: these while no contact, friction or latch holds
     fast: Row | None = None  # acceleration by the `fast` terms of V; None if no term is fast
+    noise: Noise | None = None
 
     @property
     def moving(self) -> tuple[str, ...]:

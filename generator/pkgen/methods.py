@@ -69,7 +69,8 @@ class Own(Method):
 
 
 HEADERS = Path(pkgen_runtime.__file__).parent / "include" / "pk"
-CALLED = frozenset(("acceleration", "singularity", "event", "observe"))  # kernels of every method
+# kernels of every method
+CALLED = frozenset(("acceleration", "singularity", "event", "noise", "observe"))
 CALLED_FOR = {  # further kernels, by family, trait or required fact
     "GAUSS": ("lanes",),  # evaluates stages in SIMD lanes
     "SPLITTING": ("advance",),  # makes several steps in one call, for families kept as loops

@@ -217,6 +217,16 @@ class Load(Given):
 
 
 @record
+class Noise(Given):
+    """`noise` along a coordinate, or at a point, whose rate is `velocity`. `value` is the two-sided
+    intensity S of a random force F, with <F(t) F(s)> = S delta(t - s); at a point a vector of the
+    intensities along x, y and z. Messages name it by `label` and its index."""
+
+    velocity: Expr | None
+    label: str
+
+
+@record
 class Sample:
     """`sample NAME every T offset T0 delay K`. `steps` are its definitions, which only later steps
     see, and its assignments to inputs and memory cells, in order."""
@@ -249,8 +259,9 @@ class Start:
 
 @record
 class Event:
-    """`event NAME: EXPR rising stop`: a zero crossing of the event function EXPR. If `limit` (of a
-    joint) is set, a run that starts beyond it stops at once."""
+    """`event NAME: EXPR rising stop then a = EXPR`: a zero crossing of the event function EXPR. If
+    `limit` (of a joint) is set, a run that starts beyond it stops at once. `then` are the values of
+    the motion after it, and of memory cells, as functions of those before."""
 
     name: str
     value: Expr
@@ -260,6 +271,71 @@ class Event:
     description: str
     span: Span
     limit: bool = False
+    then: tuple[Start, ...] = ()
+    # A contact, friction or mode: it can happen while its row holds (`when` 1) or does not (0).
+    mode: str = ""
+    when: int = 0
+    ends: bool = False  # whether it is where a mode ends
+
+    @property
+    def kernel(self) -> str:
+        """The name of the C function of the values after it, without the model's in front."""
+        return f"{self.name.replace('.', '_')}_reset"
+
+    @property
+    def acts(self) -> bool:
+        """Whether the motion does not go on through it as if it were not there."""
+        return self.stop or self.ends or bool(self.then or self.mode)
+
+
+@record
+class Contact:
+    """`impact` or `contact` NAME: a gap that does not become negative. `restitution` is that of
+    Newton's law, or of Poisson's; `mu` the coefficient of friction, and `along` the slip. Without
+    `along` a place is searched for whose rate along the surface is the slip. `unit` is that of the
+    multiplier."""
+
+    name: str
+    index: Expr | None
+    range: Range | None
+    gap: Expr
+    restitution: Expr | None
+    mu: Expr | None
+    along: Expr | None
+    poisson: bool
+    unit: str
+    description: str
+    span: Span
+
+
+@record
+class Friction:
+    """`friction NAME = FORCE static FORCE`: `value` and `static` bound the force along the slip,
+    an expression of rates; while it sticks, the slip is 0. `unit` is that of the force."""
+
+    name: str
+    index: Expr | None
+    range: Range | None
+    slip: Expr | None
+    value: Expr
+    static: Expr | None
+    unit: str
+    description: str
+    span: Span
+    of: str = ""  # the contact that it belongs to; then a slip None is found from its gap
+
+
+@record
+class Mode:
+    """`mode NAME: constraint a, b on at EVENT off at EVENT`. `begins`: whether it is on at the
+    start."""
+
+    name: str
+    constraints: tuple[str, ...]
+    on: str
+    off: str
+    span: Span
+    begins: bool
 
 
 @record
@@ -396,6 +472,25 @@ class Model:
     exacts: tuple[Exact, ...] = ()
     consistent: Span | None = None  # position of `start consistent`
     samples: tuple[Sample, ...] = ()
+    contacts: tuple[Contact, ...] = ()
+    frictions: tuple[Friction, ...] = ()
+    modes: tuple[Mode, ...] = ()
+    noises: tuple[Noise, ...] = ()
+
+    @property
+    def meets(self) -> bool:
+        """Whether constraint rows hold at times: contacts, friction, latches."""
+        return bool(self.contacts or self.frictions or self.modes)
+
+    @property
+    def struck(self) -> bool:
+        """Whether the motion changes besides its equations: by values after events, by contacts,
+        or by noise."""
+        return bool(self.resetting) or self.meets or bool(self.noises)
+
+    @property
+    def resetting(self) -> tuple[Event, ...]:
+        return tuple(event for event in self.events if event.then)
 
     def refuse_long(self, what: str) -> None:
         """Raises UsageError for a table whose numbers are not written in C."""

@@ -11,6 +11,7 @@ from dataclasses import fields
 
 from .defaults import GAUSS_RTOL, RTOL, UNTIL
 from .equations import Equations, Facts
+from .methods import provides
 from .middle.loops.loops import LoopEquations
 from .middle.reduce.reduction import Needs
 from .middle.report import ReportLine
@@ -98,6 +99,8 @@ def default_method(made: Made, rtol: float, exact: bool) -> str:
     iteration of gauss would limit the step size, and its stages would not fit into the cache. This
     does not apply to sums over all pairs, for which gauss is faster."""
     equations, structure = made
+    if equations.model.noises:
+        return "baoab" if provides(structure, "linear_drag") else "heun"
     by_gauss = structure.smooth_in_pieces and rtol <= GAUSS_RTOL
     if isinstance(equations, LoopEquations):
         return "gauss" if equations.force.pairs and by_gauss else "dop853"

@@ -51,7 +51,7 @@ struct option {
     int (*take)(struct program *p, const struct option *o, const char *text);
     /* offset of the number that the option sets in the settings, or of a text in struct program */
     size_t offset;
-    const char *kinds; /* kinds of lists that assign() may append to */
+    const char *kinds; /* kinds of lists that assign() may append to; "0": count() takes 0 too */
 };
 
 /* Parses NAME=VALUE and appends the value to the list for that kind of name. */
@@ -149,8 +149,9 @@ static int count(struct program *p, const struct option *o, const char *text)
 {
     char *end;
     const unsigned long x = strtoul(text, &end, 10);
-    if (!isdigit((unsigned char)*text) || *end || !x)
-        return usage(o->name, text, "not a positive whole number");
+    if (!isdigit((unsigned char)*text) || *end || (!x && !*o->kinds))
+        return usage(o->name, text,
+                     *o->kinds ? "not a whole number" : "not a positive whole number");
     /* The number in the settings may be a size_t, which has the same size as x. */
     memcpy((char *)&p->settings + o->offset, &x, sizeof x);
     return 0;
@@ -208,6 +209,7 @@ static const struct option options[] = {
     {"--at", "EVENT", "a row at each crossing", at, 0, ""},
     {"--ensemble", "FILE.csv", "a row a trajectory: parameters, starts, inputs", table, 0, ""},
     {"--threads", "N", "of an ensemble (default: all cores)", count, PLACE(threads), ""},
+    {"--seed", "N", "of the noise", count, PLACE(seed), "0"},
     {"--iteration", "newton|fixed", "of implicit methods", iteration, 0, ""},
     {"--diagnose", "LIST", "as of pkgen run", diagnose, 0, ""},
     {"--max-steps", "N", "", count, PLACE(max_steps), ""},

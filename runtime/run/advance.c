@@ -41,7 +41,7 @@ int pk_run_advance(struct pk_run *run, double t, int one_step, double *u, double
     enum pk_status status = run->begun ? PK_DONE : PK_BAD_ARGUMENT;
     int anew = 0;
     for (size_t i = 0; run->begun && i < s->system->n_inputs; i++) {
-        if (s->system->samples.n && s->system->samples.held[i])
+        if (s->system->samples.held && s->system->samples.held[i])
             continue;
         anew |= (double)s->u[i] < u[i] || (double)s->u[i] > u[i];
         s->u[i] = (pk_real)u[i];

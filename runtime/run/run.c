@@ -210,6 +210,7 @@ double pk_run_laps(struct pk_run *run, double seconds)
             if (run_ending(NULL) || pk_integrator_reset(&run->it, 0, s->q, s->v) < 0 ||
                 (run->bare.samples.n &&
                  pk_sampler_start(&run->sampler, &run->it, s->until, run->sampler.next) < 0) ||
+                (run->acts && pk_actor_start(&run->actor, &run->it, run->actor.work) < 0) ||
                 crossings_to(run, s->until, 0, 0) < 0)
                 return 0;
         const double took = run_processor() - began;

@@ -115,6 +115,10 @@ static int refused(const struct pk_integrator *it, char *text, size_t size)
         if (pk_missing_facts(system, it->method) & fact_text[i].fact)
             return TELL("%s needs a system that is %s; %s is not", it->method->name,
                         fact_text[i].text, system->name);
+    if (system->noise.n && !(it->method->traits & PK_NOISE))
+        return TELL("%s takes no noise, and %s has some, on %s: take baoab, stochastic_verlet or "
+                    "heun",
+                    it->method->name, system->name, system->noise.names[0]);
     if (pk_sides_missing(it) && system->switches.impulses)
         return TELL("the rates of %s jump where one of its switches vanishes: make steps by "
                     "pk_events_step(), which does what follows there",
@@ -144,6 +148,9 @@ static int refused(const struct pk_integrator *it, char *text, size_t size)
     if (system->n_inputs && (it->method->traits & PK_NO_INPUTS))
         return TELL("%s needs the derivative by time, and %s has inputs, whose is unknown",
                     it->method->name, system->name);
+    if (system->contacts.n && (it->method->traits & PK_HOLONOMIC))
+        return TELL("%s takes no constraints that hold at times, such as the contact %s: use gauss",
+                    it->method->name, system->contacts.table[0].name);
     if (pk_rolls(system) && (it->method->traits & PK_HOLONOMIC)) {
         pk_constraint_name(system, it->problem.params,
                            pk_system_rows(system, it->problem.params, 1), name, sizeof name);
@@ -160,6 +167,17 @@ static int refused(const struct pk_integrator *it, char *text, size_t size)
                    "%.6g",
                    (double)it->options.h, (double)it->reason.value);
     return TELL("%s: %s", it->method->name, pk_status_text(it->status));
+}
+
+/* Writes the names of all contacts. */
+static const char *contacts_of(const struct pk_integrator *it, char *text, size_t size)
+{
+    const struct pk_part_contacts *all = &it->problem.system->contacts;
+    size_t used = 0;
+    for (size_t k = 0; k < all->n && used < size; k++)
+        used +=
+            (size_t)snprintf(text + used, size - used, "%s%s", k ? ", " : "", all->table[k].name);
+    return text;
 }
 
 int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size)
@@ -214,6 +232,17 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                    "back to it, and what follows they do not say; a smooth function in place "
                    "of the jump, such as tanh, does",
                    name);
+    case PK_PENETRATES:
+        return SAY("%s: %s is %.6g", what, system->contacts.table[index].name, value);
+    case PK_NO_CONTACT:
+        if (kind > 1)
+            return SAY("%s: %s of %s is %.6g: it is %s", what,
+                       kind == 2 ? "the restitution" : "a bound of the friction",
+                       system->contacts.table[index].name, value,
+                       kind == 2 ? "from 0 to 1" : "at least 0");
+        return SAY("%s: %s of %s: friction that grows with the force that it causes (Painleve), "
+                   "or impulses that contradict each other",
+                   what, kind ? "impulses" : "accelerations", contacts_of(it, name, sizeof name));
     case PK_NO_IMPULSE:
         return pk_impulse_reason(it, text, size);
     case PK_OFF_CONSTRAINTS:
@@ -235,6 +264,9 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     case PK_TOO_MANY_STEPS:
         return SAY("%s%s: %lu", what, words(it)->max_steps, it->count.steps);
     case PK_NO_PROGRESS:
+        if (kind == PK_REASON_CROWD)
+            return SAY("%s: %.0f changes of %s within %.3g: the motion may stay where they happen",
+                       what, value, contacts_of(it, name, sizeof name), time);
         return SAY("%s: the last %lu%s lead from t = %.17g to here, and at this rate %.3g more "
                    "would arrive, or double the time passed: the motion may end here in a "
                    "singularity, or be stiff (method radau)%s%s",
@@ -250,6 +282,9 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         system->events.table[it->event - 1].what.name, t);
         return TELL("%s at t = %.17g", what, t);
     case PK_NOT_FINITE:
+        if (system->noise.n && kind == PK_OF_NOISE)
+            return SAY("the intensity of the noise on %s is %.6g, and must not be negative",
+                       system->noise.names[index], value);
         if (it->event > system->events.n) {
             const size_t k = it->event - 1 - system->events.n;
             pk_system_switch_name(system, it->problem.params, k, name, sizeof name);

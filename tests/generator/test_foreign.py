@@ -56,7 +56,7 @@ SAID = {
     "potential x if k else 0": "if(x > 0, a, b)",
     "potential x > 0 ? x : 0": "if(x > 0, a, b)",
     "damping 0.1*x'": "dissipation b/2*x'^2",
-    "friction 0.1": "dissipation b/2*x'^2",
+    "viscous 0.1": "dissipation b/2*x'^2",
     "initial x = 1": "start x = 1",
     "x(0) = 1": "start x = 1",
     "output E = x": "observe NAME",

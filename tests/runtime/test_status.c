@@ -26,7 +26,7 @@ TEST("refused where it does not apply")
         CU_ASSERT(fixture_run(&f, &oscillator_system, name, 0.01, 1) == PK_DONE);
         found++;
     }
-    CU_ASSERT(found == 14);
+    CU_ASSERT(found == 16);
     /* What the kernel `linear` and inputs decide. */
     CU_ASSERT(fixture_run(&f, &forced_system, "gsl_msbdf", 1e-6, 1) == PK_REFUSED);
     CU_ASSERT(says(&f.it, "derivatives of the acceleration"));

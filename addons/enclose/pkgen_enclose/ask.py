@@ -12,7 +12,7 @@ from pkgen.functions import FUNCTIONS
 from pkgen.graph.differentiate import reachable
 from pkgen.graph.graph import Graph, Kind, Node, Op, Symbol
 from pkgen.indices import hidden, indexed
-from pkgen.middle.sampled import refuse_samples
+from pkgen.middle.refused import refuse_statements
 from pkgen.run import named
 from pkgen.run.values import Values, assignment
 from pkgen.scenes import run_settings as parsing
@@ -178,7 +178,7 @@ def refuse(compilation: Compilation, columns: list[Node]) -> None:
         place = model.source.place(span)
         raise UsageError(f"{place}: {why}, and --enclose {advice}")
 
-    refuse_samples(model, "--enclose")
+    refuse_statements(model, "--enclose")
     if model.inputs:
         item = model.inputs[0]
         advice = f"knows no inputs: declare it by param, or --set {item.name}=EXPRESSION of t"

@@ -198,6 +198,8 @@ def _make(
     except UsageError as error:
         raise UsageError(_of_plan(plan, str(error))) from None
     compilation, settings = prepared.compilation, prepared.settings
+    if compilation.declared.noises:
+        settings = replace(settings, seed=plan.seed)
     if by_row(plan) and settings.every is None and settings.at is None:
         numbers = len(settings.show) or 1
         settings = replace(

@@ -12,7 +12,7 @@ from pkgen.cli.compilation import compile_within_limits
 from pkgen.cli.explain import explained
 from pkgen.cli.messages import refuse_both
 from pkgen.describe.page_data import describe
-from pkgen.middle.sampled import refuse_samples
+from pkgen.middle.refused import refuse_statements
 from pkgen.system import addons
 from pkgen.system.exits import DONE, UsageError
 from pkgen.system.files import STANDARD, replace
@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
     if shown is not None:
         found.description["map"] = folder.described(shown, found.compilation)
     compilation = found.compilation
-    refuse_samples(compilation.declared, "pkgen show")
+    refuse_statements(compilation.declared, "pkgen show")
     model = compilation.model
     code = wasm(compilation.files, model.name, model.methods, (SWARM,))
     text = packed(found.description, code, *explained(options))

@@ -9,7 +9,7 @@ syn match lagClause /\v<%(and|at|either|every|falling|in|not|or|rising|rtol|step
 syn match lagClause /\v<in\ze\s*[\[(]/ nextgroup=lagBounds skipwhite
 syn region lagBounds matchgroup=lagOperator start=/[\[(]/ end=/[\])]/ contained contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator
 syn match lagStatement /\v<%(accuracy|conserve|const|constraint|coord|dissipation|end|event|expect|fixed|force|free|hold|input|kinetic|lagrangian|let|method|model|observe|param|periodic|potential|rate|record|rolling|rotation|scene|set|size|start|state|swarm|until)>\s*/
-syn match lagFunction /\v<%(abs|acos|am|asin|atan|atan2|ceil|clamp|cn|cos|cosh|cross|dn|dot|drift|ellipk|error|euler|exp|floor|if|integral|inverse|kepler|ln|log|max|min|mod|norm|omega|power|rot|round|sign|sin|sinh|sn|sqrt|step|sum|tait_bryan|tan|tanh|time)>\ze\s*\(/
+syn match lagFunction /\v<%(abs|acos|am|asin|atan|atan2|ceil|clamp|cn|cos|cosh|cross|dn|dot|drift|ellipk|error|euler|exp|floor|if|integral|inverse|kepler|ln|log|loss|max|min|mod|norm|omega|power|rot|round|sign|sin|sinh|sn|sqrt|step|sum|tait_bryan|tan|tanh|time)>\ze\s*\(/
 syn match lagMember /\v%(\k|\])@1<=\.%(R|com|mass|omega|origin|point|w|x|y|z)>/
 syn region lagBracket start=/(/ end=/)/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator
 syn region lagBracket start=/\[/ end=/\]/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator
@@ -20,10 +20,10 @@ syn match lagShape /\v%(^\s*%(draw|view)\s+)@<=%(arrow|bob|body|circle|curve|gro
 syn match lagFile /\v%(<%(tableau)\s+)@<=[^ \t#]+/ contained
 syn match lagTableau /\v%(method\s+\k+\s+)@<=%(tableau)>\s*/ contained
 syn match lagStatement /\v^\s*\zs%(body|draw|fast|gravity|hamiltonian|joint|torque|view)>\s*/
-syn match lagStatement /\v%(^\s*)@<=%(exact|memory|sample|table|use)>\ze\s+%(\k|")/
+syn match lagStatement /\v%(^\s*)@<=%(contact|exact|friction|impact|memory|mode|noise|sample|table|use)>\ze\s+%(\k|")/
 syn match lagFile /"[^"]*"/
 syn match lagJoining /\v%(\k|")@1<=\s+%(as|with)>\s*/ contained
-syn region lagNamed start=/\v^\s*\zs%(exact|memory|sample|table|use)>\ze\s+%(\k|")/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagFile,lagJoining
+syn region lagNamed start=/\v^\s*\zs%(contact|exact|friction|impact|memory|mode|noise|sample|table|use)>\ze\s+%(\k|")/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagFile,lagJoining
 syn region lagDrawing start=/\v^\s*\zs%(draw|view)>/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagShape,lagPart
 syn region lagBody start=/\v^\s*\zs%(body|joint)>/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagPart
 syn region lagMethod start=/\v^\s*\zsmethod>/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagTableau,lagFile

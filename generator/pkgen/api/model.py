@@ -17,7 +17,7 @@ from ..defaults import ITERATIONS, MAX_STEPS
 from ..front.check.values import NoValue
 from ..front.read import allowing, read
 from ..indices import indexed, parted, unrolled
-from ..middle.sampled import refuse_samples
+from ..middle.refused import refuse_statements
 from ..model import Scene
 from ..own.given import given as own_methods
 from ..run import named
@@ -155,6 +155,7 @@ class Model(Kernels):
         diagnose: Names = (),
         iteration: str = ITERATIONS[0],
         max_steps: int = MAX_STEPS,
+        seed: int | None = None,
         tableau: Files = (),
         composition: Weights = (),
     ) -> Result:
@@ -183,7 +184,7 @@ class Model(Kernels):
         computed: Computed | Controllers | None = Controllers(controllers) if controllers else None
         if functions or hold or linear:
             computed = laws = Computed(functions, hold, linear)
-            refuse_samples(self.compilation.declared, "inputs")
+            refuse_statements(self.compilation.declared, "inputs")
             if laws.needs_explicit and method is None:
                 given["method"] = "dop853"
         return self._run(arguments.options(self, given), computed=computed)
@@ -267,6 +268,7 @@ class Model(Kernels):
         atol: float | None = None,
         start: Mapping[str, Value] | None = None,
         inputs: Mapping[str, Value] | None = None,
+        seed: int | None = None,
     ) -> Integrator:
         """Returns an Integrator at the initial state; arguments as in `run`. Raises UsageError."""
         given = {k: x for k, x in locals().items() if k != "self"}

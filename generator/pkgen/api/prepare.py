@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from ..compiler import Compilation
+from ..middle.refused import refuse_statements
 from ..model import Scene
 from ..own.given import taken
 from ..record import record
@@ -103,6 +104,7 @@ def prepare(
     elif settings.accuracy is not None:
         from ..analysis import choose
 
+        refuse_statements(compilation.declared, "accuracy")
         choices = choose.chosen(compilation, settings, ensemble)
         settings = choose.with_choices(settings, choices)
         time = "" if compilation.model.dimensionless else "s"

@@ -14,7 +14,7 @@ from .kernel_spec import KernelSpec, pivot_checks
 from .targets import Target
 
 # Kernels of a model that is generated to be embedded, without the runtime's tables.
-PLAIN = frozenset(("acceleration", "energy", "force", "mass", "observe"))
+PLAIN = frozenset(("acceleration", "energy", "force", "mass", "noise", "observe"))
 # Kernels of the canonical form, in q and p: `pkgen MODEL.lag --canonical`.
 CANONICAL = frozenset(("hamiltonian", "hamilton", "hamilton_force"))
 # Kernels with which the runtime keeps constraints: generated even if a user selects other kernels.
@@ -31,6 +31,7 @@ def needed_kernels(
     """Returns the kernels of `wanted` (None: all) that the model has, and the kernels that they
     call; unless `plain`, also the kernels that the runtime itself calls."""
     known = {n for n, spec in KERNELS.items() if n != "start" and spec.exists(equations)}
+    known -= {f"{name}_free" for name in OF_FLIGHT}
     asked = known if wanted is None else known & wanted
     if wanted is not None and not plain:
         asked |= known & CANONICAL
@@ -41,6 +42,9 @@ def needed_kernels(
         asked |= known & _OF_IMPULSES if equations.impulsive else set()
     if "acceleration" in asked and equations.acceleration is None:
         asked |= {"mass", "force"}
+    asked |= {event.kernel for event in equations.model.resetting}
+    if equations.model.meets:
+        asked |= {"meeting", *(f"{name}_free" for name in asked & {*OF_FLIGHT})}
     if equations.sampled:
         asked |= {"sampling", *(block.kernel for block in equations.model.samples)}
     return frozenset(asked)
@@ -68,6 +72,18 @@ def _canonical(
         "int",
         checks=lambda e: pivot_checks(e.graph, "MASS", e.hamiltonian.pivots),
         second="momenta",
+    )
+
+
+def _of_flight(name: str) -> KernelSpec:
+    """Returns the kernel that another one calls while no contact holds: it is much shorter."""
+    says = f"what {name} is while no contact, friction or latch holds"
+    return KernelSpec(
+        f"{name}_free",
+        says,
+        lambda e: e.flight and KERNELS[name].values(e.flight),
+        KERNELS[name].result,
+        checks=lambda e: KERNELS[name].checks(e.flight),
     )
 
 
@@ -110,6 +126,11 @@ _SPECS = (
         copies=True,
     ),
     KernelSpec("fast", "the part of a that is named fast", lambda e: {"a": e.fast}),
+    KernelSpec(
+        "noise",
+        "white noises: the intensity S of each, and the accelerations by a unit force along it",
+        lambda e: e.noise and {"S_out": e.noise.intensities, "G_out": e.noise.accelerations},
+    ),
     _scalar("energy", "h = v.p - L"),
     _scalar("lagrangian", "L"),
     _scalar("kinetic", "T"),
@@ -173,6 +194,11 @@ _SPECS = (
         ),
     ),
     KernelSpec(
+        "meeting",
+        "of contacts and frictions, the accelerations of their rows if none holds; their bounds",
+        lambda e: e.constraints and {"out": e.constraints.values},
+    ),
+    KernelSpec(
         "multipliers",
         "lambda, of which J^T lambda are the forces of the constraints",
         lambda e: e.constraints and {"lambda_out": e.constraints.multipliers},
@@ -220,15 +246,26 @@ _SPECS = (
     KernelSpec("start", "initial values", lambda e: {"q": e.start_q, "v": e.start_v}),
 )
 KERNELS: dict[str, KernelSpec] = {spec.name: spec for spec in _SPECS}
+OF_FLIGHT = ("acceleration", "canonical", "event")
+KERNELS = {f"{name}_free": _of_flight(name) for name in OF_FLIGHT} | KERNELS
 
 
 def kernel(name: str) -> KernelSpec:
-    """Returns the specification of a kernel. BLOCK_sample, of a sample block, is in no table."""
+    """Returns the specification of a kernel. BLOCK_sample, of a sample block, and EVENT_reset are
+    in no table."""
 
-    def following(e: Equations) -> Mapping[str, Row]:
+    def sample(e: Equations) -> Mapping[str, Row]:
         k = [block.kernel for block in e.model.samples].index(name)
         n = len(e.inputs)
         return {"next": e.sampled[k * n : (k + 1) * n]}
 
+    def reset(e: Equations) -> Mapping[str, Row]:
+        row = e.resets[[event.kernel for event in e.model.resetting].index(name)]
+        hidden = len(row) - len(e.coordinates) - len(e.inputs)  # with those of body rates
+        return {"next": (*row[: e.own], *row[hidden:])}
+
+    if name.endswith("_reset"):
+        says = "the motion after the event: next, all of q, then of v, then of u"
+        return KernelSpec(name, says, reset)
     says = "a sample, which gives all inputs new values: next, with which the caller replaces u"
-    return KERNELS.get(name) or KernelSpec(name, says, following)
+    return KERNELS.get(name) or KernelSpec(name, says, sample)

@@ -148,6 +148,7 @@ def of_an_integration(parser: argparse.ArgumentParser) -> None:
         --at        EVENT       a row at each crossing, and by time only with --every
         --ensemble  FILE        CSV or Parquet, a row a trajectory: starts, parameters
         --threads   int:N       of an ensemble (default: all cores)
+        --seed      int:N       of the noise (default: 0)
     """
     rows(parser, text)
     unrolling(parser)

@@ -16,6 +16,7 @@ from ..analysis.chart.points import ChartedMethod
 from ..analysis.chart.sweep import FULL, QUICK, Effort
 from ..analysis.chart.text import interrupted, report
 from ..compiler import Compilation
+from ..middle.refused import refuse_statements
 from ..own.given import given
 from ..plot.style import Look
 from ..run.build import runtime_methods
@@ -77,6 +78,7 @@ def run(options: argparse.Namespace) -> int:
     began, effort, look = time.monotonic(), _effort(options), look_of(options)
     directory = parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
+    refuse_statements(compilation.model, "pkgen chart")
     others = options.others and options.others(options)  # solvers of other packages
     chosen = _methods(options, compilation, others.methods if others else [])
     chosen_scene = scene.of(options, compilation.declared)

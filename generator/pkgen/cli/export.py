@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ..back.exported import Exported, Host
 from ..describe.page_data import describe
-from ..middle.sampled import refuse_samples
+from ..middle.refused import refuse_statements
 from ..system import addons
 from ..system.exits import UsageError
 from ..system.files import replace
@@ -73,7 +73,7 @@ def run(options: argparse.Namespace) -> None:
         draw=host.drawing,
     )
     made = found.compilation
-    refuse_samples(made.declared, "pkgen export")
+    refuse_statements(made.declared, "pkgen export")
     made.declared.refuse_long("pkgen export")
     model = Exported(
         made.model.name,

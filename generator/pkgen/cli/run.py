@@ -265,6 +265,7 @@ def _summary(report: dict, verbose: bool) -> list[str]:
         f"{method}: t = {report['t']:g} after {report['steps']} steps{_length(report)}, "
         f"{report['rejections']} rejected, {evaluations} evaluation{'s' * (evaluations != 1)}, "
         f"{1000 * report['seconds']:.3g} ms"
+        + (f", seed {report['seed']}" if "seed" in report else "")
     ]
     if report["held"] > HELD * report["steps"]:
         lines.append(
@@ -276,6 +277,8 @@ def _summary(report: dict, verbose: bool) -> list[str]:
     met = [event for event in report["events"] if event not in far]
     lines += [f"event {event['name']}: {_crossings(event)}" for event in met]
     lines += [f"limits not met: {len(far)}"] if far else []
+    rests = [x for x in report["contacts"] if x["rests"] is not None]
+    lines += [f"contact {x['name']}: at rest from t = {x['rests']:.9g} on" for x in rests]
     drifts = diagnostics_text.drift_lines if verbose else diagnostics_text.kept_line
     return lines + drifts(report["drifts"])
 

@@ -18,7 +18,7 @@ from ..analysis.stability.predict import Prediction
 from ..analysis.stability.steps import MapOptions
 from ..compiler import Compilation
 from ..indices import multiplied
-from ..middle.sampled import refuse_samples
+from ..middle.refused import refuse_statements
 from ..own.given import given
 from ..plot.style import Look
 from ..scenes import run_settings as parsing
@@ -83,7 +83,7 @@ def _refuse_unmapped(compilation: Compilation) -> None:
     """Raises UsageError for models without a stability map: those with redundant constraints, and
     those whose rates jump, since a step would have to end at each jump."""
     model = compilation.model
-    refuse_samples(model, "pkgen stability")
+    refuse_statements(model, "pkgen stability")
     impulsive = getattr(compilation.equations, "impulsive", ())
     if impulsive:
         raise UsageError(

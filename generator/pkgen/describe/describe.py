@@ -13,8 +13,7 @@ from ..front.check.scene_numbers import Values, WrongValue
 from ..indices import hidden, made_of, parted
 from ..methods import Method, known, provides
 from ..middle.loops.switches import switch_count
-from ..middle.quantities import single_rotations
-from ..middle.sampled import block_of
+from ..middle.quantities import block_of, single_rotations
 from ..model import Model, Parameter, Scene
 from ..plan import default_method
 from ..run import named

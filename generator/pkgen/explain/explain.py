@@ -40,6 +40,7 @@ def explain(compilation: Compilation, costs: bool = False) -> str:
         section("Outputs", _outputs(c)),
         section("Events", _events(c)),
         section("Sample blocks", _samples(compilation.declared)),
+        section("Noise", _noises(compilation.declared)),
         section("Drawing", shown(compilation.declared)),
         section("Structure", (f"{name:<16} {text}" for name, text in rows)),
         constants_text(invariants(e, structure), structure.symmetries),
@@ -103,6 +104,11 @@ def _samples(model: Model) -> Iterator[str]:
         line = text[block.head.start : block.head.end].removeprefix("sample").strip()
         sets = ", ".join(x.name for x in model.inputs if x.by == block.name and "." not in x.name)
         yield f"{line}: sets {sets}"
+
+
+def _noises(model: Model) -> Iterator[str]:
+    for item in model.noises:
+        yield model.source.text[item.span.start : item.span.end].removeprefix("noise").strip()
 
 
 def _parameters(c: Contents) -> str:

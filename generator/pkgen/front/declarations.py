@@ -30,6 +30,8 @@ def declarations(statements: Iterable[st.Statement]) -> Iterator[tuple[str, Span
                 for coordinate, what in joint_names(statement):
                     yield coordinate, left.span, "rotation" if what == "rotation" else "coord"
                 yield from ((f"{child.id}.{member}", left.span, "") for member in SHOWN)
+            case st.Friction(left=left):
+                yield multipliers(left.name)[0], left.span, ""
             case st.Sample(name=name, name_span=span, clauses=clauses):
                 yield name, span, ""
                 cells = (c.left for c in clauses if c.keyword == "memory")
@@ -40,8 +42,9 @@ def declarations(statements: Iterable[st.Statement]) -> Iterator[tuple[str, Span
                 st.Use(name=name, name_span=span)
                 | st.Event(name=name, name_span=span)
                 | st.Table(name=name, name_span=span)
+                | st.Mode(name=name, name_span=span)
             ):
                 yield name, span, ""
-            case st.Equation(left=left):
+            case st.Equation(left=left) | st.Contact(left=left):
                 names = left.name, *multipliers(left.name)
                 yield from ((name, left.span, "") for name in names)

@@ -29,7 +29,7 @@ _STATEMENTS = tuple(
          "write 'coord x [m]' for a coordinate, 'param m = 1 [kg]' for a parameter"),
         (r"(const|constant)s?\s+(double|float|int)\b",
          "write 'const c = 3' or 'param g = 9.81 [m/s^2]'"),
-        (r"(damping|damper|friction|viscous|rayleigh)\b",
+        (r"(damping|damper|viscous|rayleigh)\b",
          "write 'dissipation b/2*x'^2', or 'force x = -b*x''"),
         (r"(spring|stiffness)\b", "write 'potential k/2*x^2'"),
         (r"(initial|init|ic|ics|x0|y0)\b", "write 'start x = 1, x' = 0'"),

@@ -23,7 +23,7 @@ from .shapes import shapes_of, unknown_shape
 from .stray_characters import stray_character
 from .table import STATEMENTS, Statement
 from .units import bare_unit, bracketed
-from .words import CLAUSE_WORDS, OF_SAMPLE, TABLEAU, greek
+from .words import BEHIND, CLAUSE_WORDS, TABLEAU, greek
 
 _PATTERN = re.compile(
     r"""
@@ -51,6 +51,7 @@ _OPERATORS = {
 _VALUE_ENDS = frozenset(
     ["NAME", "NUMBER", "PRIME", "COMPONENT", "MEMBER", "RPAREN", "RBRACKET", "UNIT", "STRING"]
 )
+_WORD_ENDS = frozenset(["RISING", "FALLING", "EITHER", "STOP", "WITH"])
 _DRAWN = frozenset(word.upper() for word, row in STATEMENTS.items() if row.syntax == "draw")
 _OF_BODIES = ("BODY", "JOINT")
 _USE = {2: "as", 4: "with"}  # The words of `use`, by the number of tokens before them.
@@ -154,7 +155,7 @@ class _Lexer:
         in_method = self.now.tokens and self.now.tokens[0].type == "METHOD"
         if in_method and name == TABLEAU and len(self.now.tokens) == 2:
             return self._file(self._add("TABLEAU", name, at, end))
-        if first == "SAMPLE" and name in OF_SAMPLE and self.now.tokens[-1].type in _VALUE_ENDS:
+        if name in BEHIND.get(first, ()) and self.now.tokens[-1].type in _VALUE_ENDS | _WORD_ENDS:
             return self._add(name.upper(), name, at, end)
         if name in CLAUSE_WORDS and not (name == "step" and called and not in_method):
             return self._add(name.upper(), name, at, end)

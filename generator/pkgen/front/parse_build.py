@@ -211,10 +211,41 @@ class Build(Transformer):
     def equation(self, word, left, _, a, __, b):
         return st.Equation(str(word), left, a, b, _over(word, b))
 
-    def event(self, word, name, _, value, direction, stop):
+    def then(self, _, *items):
+        return items
+
+    def event(self, word, name, _, value, direction, stop, then):
         toward = "either" if direction is None else str(direction)
         given = str(name), _span(name), value, toward, stop is not None, self.comment
-        return st.Event(*given, _over(word, stop or direction or value))
+        last = then[-1].value if then else stop or direction or value
+        return st.Event(*given, _over(word, last), then=then or ())
+
+    def rubbing(self, _, mu, __, along):
+        return mu, along
+
+    def impact(self, word, left, _, gap, direction, __, restitution, rubbing, poisson):
+        mu, along = rubbing or (None, None)
+        if direction == "rising":
+            gap = tree.Negate(gap, gap.span)
+        last = poisson or along or mu or restitution or direction
+        given = restitution, mu, along, poisson is not None, self.comment
+        return st.Contact(str(word), left, gap, None, *given, _over(word, last))
+
+    def contact(self, word, left, _, a, __, b, restitution, rubbing, poisson):
+        mu, along = rubbing or (None, None)
+        last = poisson or along or mu or restitution or b
+        given = restitution, mu, along, poisson is not None, self.comment
+        return st.Contact(str(word), left, a, b, *given, _over(word, last))
+
+    def friction(self, word, left, _, value, static):
+        return st.Friction(left, value, static, self.comment, _over(word, static or value))
+
+    def mode(self, word, name, _, __, *rest):
+        lefts = tuple(x for x in rest if isinstance(x, st.Left))
+        on, off = rest[-4], rest[-1]
+        last = off or on or lefts[-1]
+        at = tuple(None if x is None else tree.Name(str(x), None, _span(x)) for x in (on, off))
+        return st.Mode(str(name), _span(name), lefts, *at, self.comment, _over(word, last))
 
     def of(self, subject):
         return "", subject

@@ -164,6 +164,47 @@ class Event(Named):
     description: str
     span: Span
     limit: bool = False  # Whether a joint's clause `limits` generates the event.
+    then: tuple[StartItem, ...] = ()  # the values after it
+
+
+@record
+class Contact(Statement):
+    """`impact NAME: GAP falling …` or `contact NAME: A >= B …`, whose `b` is not None."""
+
+    keyword: str
+    left: Left
+    a: Expr
+    b: Expr | None
+    restitution: Expr | None
+    mu: Expr | None
+    along: Expr | None
+    poisson: bool
+    description: str
+    span: Span
+
+
+@record
+class Friction(Statement):
+    """`friction NAME = FORCE static FORCE`."""
+
+    keyword: ClassVar[str] = "friction"
+    left: Left
+    value: Expr
+    static: Expr | None
+    description: str
+    span: Span
+
+
+@record
+class Mode(Named):
+    """`mode NAME: constraint a, b on at EVENT off at EVENT`."""
+
+    keyword: ClassVar[str] = "mode"
+    constraints: tuple[Left, ...]
+    on: Name | None
+    off: Name | None
+    description: str
+    span: Span
 
 
 @record

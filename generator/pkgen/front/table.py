@@ -25,7 +25,11 @@ SYNTAX = {
     "force": "(left [at] | point) EQUAL item",
     "equation": "left COLON item EQUAL item",
     "observe": "left (EQUAL item [while] | while)",
-    "event": "NAME COLON test [direction] [STOP]",
+    "event": "NAME COLON test [direction] [STOP] [then]",
+    "impact": "left COLON item (FALLING | RISING) [WITH] [restitution] [rubbing] [POISSON]",
+    "contact": "left COLON item AT_LEAST item [restitution] [rubbing] [POISSON]",
+    "friction": "left EQUAL item [static]",
+    "mode": "NAME COLON CONSTRAINT left (_COMMA left)* [ON AT NAME] [OFF AT NAME]",
     "draw": "SHAPE [drawn] part* [_COMMA also]",
     "body": "several clause*",
     "joint": "several COLON end WORD end WORD [item] clause*",
@@ -67,9 +71,14 @@ dissipation single   dynamics.energy     dissipation -     power  b/2*x'^2
 fast        single   dynamics.energy     fast        -     energy k/2*x^2
 force       force    forces.force        forces      first -      COORDINATE = EXPRESSION
 torque      force    forces.torque       loads       first -      BODY = [X, Y, Z]
+noise       force    forces.noise        noises      -     -      COORDINATE = INTENSITY
 constraint  equation constraints.equation constraints -    energy NAME: A = B
 rolling     equation constraints.equation constraints -    power  NAME: A = B
 event       event    dynamics.event      events      first -      NAME: EXPRESSION rising
+impact      impact   contacts.impact     contacts    first energy NAME: GAP falling restitution e
+contact     contact  contacts.contact    contacts    first energy NAME: GAP >= 0 restitution e
+friction    friction contacts.friction   frictions   -     power  NAME = FORCE
+mode        mode     contacts.mode       modes       first -      NAME: constraint a on at EVENT
 body        body     bodies.body         definitions first -      NAME mass m inertia [Ix, Iy, Iz]
 joint       joint    bodies.joint        definitions first -      NAME: A to B revolute [0, 1, 0]
 gravity     single   bodies.gravity      definitions -     -      [0, 0, -g]
@@ -89,7 +98,9 @@ IN_SAMPLE = frozenset(("memory", "let", "set"))
 # These words are keywords only at the start of a statement; elsewhere they are names.
 _SOFT = frozenset(("draw", "view", "fast", "body", "joint", "gravity", "torque", "hamiltonian"))
 # These words are keywords only at the start of a line, and only before a name or a string.
-_BEFORE_NAME = frozenset(("table", "use", "sample", "memory", "exact"))
+_BEFORE_NAME = frozenset(
+    ("table", "use", "sample", "memory", "exact", "impact", "contact", "friction", "mode", "noise")
+)
 # Columns: keyword, key of SYNTAX, method that checks, how many a scene may have, form.
 _SCENE = """
 start    start_at     given.start    many a = VALUE, a' = VALUE

@@ -40,7 +40,15 @@ _OTHERS = {
 }
 
 CLAUSE_WORDS = frozenset(_CLAUSES.split())
-OF_SAMPLE = ("offset", "delay")  # words of `sample`, behind a value
+# Words of some statements, which are words only behind a value or another such word.
+BEHIND = {
+    "SAMPLE": ("offset", "delay"),
+    "EVENT": ("then",),
+    "IMPACT": ("with", "restitution", "friction", "along", "poisson"),
+    "CONTACT": ("restitution", "friction", "along", "poisson"),
+    "FRICTION": ("static",),
+    "MODE": ("on", "off"),
+}
 TABLEAU = "tableau"  # the word before the path of a tableau file
 CONSTANTS = {
     "t": "the time",

@@ -58,6 +58,7 @@ def smaller(
         **dict(zip(energies, there(energies.values()), strict=True)),
         **{x: pick(getattr(e, x)) for x in picked},
         **{x: there(getattr(e, x)) for x in ("observed", "conserved", "events", "sampled")},
+        resets=tuple(map(there, e.resets)),
         applied=there(pick(e.applied)),
         states=tuple(e.states[i] for i in of_states),
         state_rates=there(e.state_rates[i] for i in of_states),

@@ -192,3 +192,8 @@ def symbols(g: Graph, kind: str, count: int) -> tuple[Node, ...]:
 def rate_of_state(g: Graph, k: int, count: int) -> Node:
     """Returns the symbol of the time derivative of state k; `count` is the number of states."""
     return g.symbol(Symbol(Kind.STATE, count + k))
+
+
+def block_of(model: Model, name: str) -> str:
+    """Returns the sample block that sets an input, or ""."""
+    return next((item.by for item in model.inputs if item.name == name), "")

@@ -177,7 +177,7 @@ def _without(model: Model, item: Hold, index: int | None, value: Expr) -> Model:
     )
 
 
-_OF_MEMBERS = ("rates", "starts", "forces")  # fields of Model: statements about members
+_OF_MEMBERS = ("rates", "starts", "forces", "noises")  # fields of Model: statements about members
 
 
 def _is_of(model: Model, of: Start | Rate | Force, item: Hold, index: int | None) -> bool:

@@ -13,10 +13,10 @@ TABLE = {
     RED: "dopri5 gauss2 yoshida4 gsl_rkf45 respa lobatto4 rattle",
     GREEN: "gsl_rk8pd blanes_moan4 rk4 lobatto2 boris lie_midpoint",
     PURPLE: "dop853 rk3 gauss1 kahan_li6 lobatto3 rattle4 gsl_bsimp",
-    ORANGE: "rkmk8 radau9 euler respa4 lie_midpoint6 gsl_msadams",
+    ORANGE: "rkmk8 radau9 euler respa4 lie_midpoint6 gsl_msadams stochastic_verlet",
     SKY: "gauss3 blanes_moan6 gauss8 rkmk4 mclachlan4 boris4",
-    BLACK: "gauss4 gauss6 yoshida6 symplectic_euler adaptive_verlet lie_midpoint4 radau",
-    BROWN: "gauss5 gauss7 kahan_li8 radau5 suzuki4 exponential",
+    BLACK: "gauss4 gauss6 yoshida6 symplectic_euler adaptive_verlet lie_midpoint4 radau baoab",
+    BROWN: "gauss5 gauss7 kahan_li8 radau5 suzuki4 exponential heun",
 }
 MARKERS = "osD^vPX*"
 OTHERS = "<>ph"  # markers of methods of a model or of other packages

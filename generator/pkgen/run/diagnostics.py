@@ -10,7 +10,7 @@ import re
 
 from ..compiler import Compilation
 from ..middle.motion import LINEAR_OF_FEW, PARTICLES
-from ..middle.sampled import refuse_diagnostics
+from ..middle.refused import refuse_diagnostics
 from ..source import Diagnostic
 from ..system.exits import UsageError
 from ..system.near import near

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from ..compiler import Compilation
 from ..equations import Quantity
-from ..middle.sampled import block_of
+from ..middle.quantities import block_of
 from ..record import record
 from . import named
 

@@ -73,7 +73,7 @@ class Library:
         s.step, s.h_max = given.step or 0.0, given.max_step or 0.0
         s.atol = s.atol if given.atol is None else given.atol
         s.fixed_point = given.iteration == "fixed"
-        s.max_steps = given.max_steps
+        s.max_steps, s.seed = given.max_steps, given.seed
         s.land = {"": -1, "land": 1, "dense": 0}[given.rows]
         given_of = [*((i, 0, x) for i, x in given.parameters), *given.members]
         _fill(s, "parameters", given_of)

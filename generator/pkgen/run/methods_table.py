@@ -34,6 +34,8 @@ USES = {
     "COLLOCATION": "long runs of any L; radau5, radau9: stiff",
     "RATTLE": "long runs with constraints or rotations",
     "LIE_MIDPOINT": "long runs with rotations",
+    "LANGEVIN": "noise and friction, M constant",
+    "HEUN": "noise, any model",
     "RKMK": "rotations, few steps",
     "ERK": "fixed steps at the lowest cost each",
     "GSL": "comparison with GSL",

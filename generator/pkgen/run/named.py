@@ -190,7 +190,8 @@ def parameters(compilation: Compilation) -> Named:
 
 
 def events(compilation: Compilation) -> list[str]:
-    """Returns the names of the events that a run detects."""
+    """Returns the names of the events that a run detects, by their numbers. Those of contacts
+    alone begin with a digit."""
     return [q.name for q in compilation.equations.event_names]
 
 

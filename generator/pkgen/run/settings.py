@@ -90,6 +90,7 @@ class Settings:
     accuracy: float | None = None  # if it is set, the method is still to be chosen
     compiled_for: tuple[str, ...] = ()  # methods with inlined steps; (): those that run
     parts: tuple[PartSettings, ...] = ()  # (): all coordinates are integrated together
+    seed: int = 0  # of noise
     units: bool = False  # whether the CSV header has units
 
     @property

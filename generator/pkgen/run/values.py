@@ -15,8 +15,7 @@ from ..front.check import options_text
 from ..front.check.options_text import OptionError
 from ..front.check.scene_numbers import within_bounds
 from ..indices import hidden, indexed, parted
-from ..middle.quantities import single_rotations
-from ..middle.sampled import block_of
+from ..middle.quantities import block_of, single_rotations
 from ..model import Model, Parameter
 from ..plan import DEFAULTS, RunNumbers
 from ..system.exits import UsageError

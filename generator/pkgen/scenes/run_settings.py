@@ -114,6 +114,7 @@ def settings(
         show=show,
         at=at,
         units=options.units,
+        seed=_seed(options, compilation),
         watch="none" if options.watch == "none" else "",
         diagnose=diagnostics.asked(options.diagnose),
         accuracy=said.accuracy if chosen and scene_use.promised(plan, chosen) else None,
@@ -123,6 +124,17 @@ def settings(
             if plan.source == DEFAULT
         ),
     )
+
+
+def _seed(options: argparse.Namespace, compilation: Compilation) -> int:
+    """Returns the seed of the noise."""
+    if options.seed is None:
+        return 0
+    if not compilation.model.noises:
+        raise UsageError(f"--seed {options.seed}: the model has no noise")
+    if not 0 <= options.seed < 2**64:
+        raise UsageError(f"--seed {options.seed}: from 0 to 2^64 - 1")
+    return options.seed
 
 
 def unread(options: argparse.Namespace, compilation: Compilation) -> list[str]:

@@ -25,7 +25,8 @@ PK_BEGIN
 struct pk_ensemble {
     const struct pk_system *system;
     const struct pk_method *method;
-    struct pk_options options; /* options.stop ends members with status PK_STOPPED_USER */
+    /* options.stop ends members with status PK_STOPPED_USER; options.member is that of member 0 */
+    struct pk_options options;
     size_t members;
 
     /* Arrays with the data of all members. Member i has the params at byte i * params_size, after

@@ -117,14 +117,15 @@ struct pk_events {
     int slow;       /* number of switchings from slow_from on, within rounding of the time left */
     pk_real slow_from, limit; /* limit: where the step may end */
     int at_switch;            /* flag: the step begins at the root of a switch */
-    int begun;    /* flag: the first step was made; also if the start is a limit, where it ends */
-    int kept;     /* flag: the next step begins at the time `left`, where the last one ended */
-    pk_real left; /* end time of the last step */
+    int begun;     /* flag: the first step was made; also if the start is a limit, where it ends */
+    int kept;      /* flag: the next step begins at the time `left`, where the last one ended */
+    pk_real left;  /* end time of the last step */
+    pk_real tried; /* length of the last step that an event or a switch has cut */
     /* for each event a number whose size is the rounding error of g: if |g| at the start of the
      * step is smaller than it, its sign is taken for that of g */
     pk_real *held;
-    /* for each limit (`stop` = 2), its value of g at the start if that is zero up to rounding;
-     * it is subtracted from g */
+    /* For each event a number that is subtracted from g: for a limit (`stop` = 2) its value at the
+     * start if that is zero up to rounding; of a contact see act.c. */
     pk_real *off;
     pk_real *room; /* work memory for impulses */
 };

@@ -99,6 +99,9 @@ struct pk_options {
      * PK_STOPPED_USER, and only pk_integrator_reset() can continue. NULL: not called. */
     int (*stop)(void *context);
     void *context;
+    /* of models with noise: the random numbers are functions of these and of the number of the
+     * step, which a step that is repeated with another length keeps */
+    unsigned long long seed, member;
     const struct pk_words *words; /* names of options in error texts, or NULL */
 };
 

@@ -35,7 +35,8 @@ enum pk_trait {
     PK_HOLONOMIC = 1u << 9, /* solves holonomic constraints within its steps, and does not take
                                rolling constraints; calls the kernels unconstrained and inertia,
                                or canonical and mass */
-    PK_GROUP = 1u << 10     /* keeps quaternions of rotations at unit length, to rounding */
+    PK_GROUP = 1u << 10,    /* keeps quaternions of rotations at unit length, to rounding */
+    PK_NOISE = 1u << 11     /* takes models with noise */
 };
 
 struct pk_integrator;

@@ -131,6 +131,18 @@
       "the exact flow of an affine system, by the exponential of its matrix, scaled and "          \
       "squared; N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179")
 
+/* Methods for models with noise, at a fixed step; the weak order is given. */
+#define PK_NEEDS_HEUN 0
+#define PK_METHODS_HEUN(X, A)                                                                      \
+    X(A, heun, 2, 2, 0, PK_NOISE, heun,                                                            \
+      "stochastic Heun, for noise and any M and f; P. E. Kloeden, E. Platen (1992) 15.1")
+#define PK_NEEDS_LANGEVIN (PK_MASS_CONSTANT | PK_LINEAR_DRAG)
+#define PK_METHODS_LANGEVIN(X, A)                                                                  \
+    X(A, baoab, 2, 1, 0, PK_NOISE, baoab,                                                          \
+      "Verlet around the exact flow of friction and noise; B. Leimkuhler, C. Matthews (2013)")     \
+    X(A, stochastic_verlet, 2, 1, 0, PK_NOISE, stochastic_verlet,                                  \
+      "Verlet with friction and noise; N. Gronbech-Jensen, O. Farago, Mol. Phys. 111 (2013) 983")
+
 /* Methods for rotations and constraints; `table`: the splitting method of that composition. */
 #define PK_TRAITS_VARIATIONAL                                                                      \
     (PK_TRAITS_SYMPLECTIC | PK_IMPLICIT | PK_HOLONOMIC | PK_GROUP)
@@ -164,7 +176,8 @@
     PK_METHODS_RESPA(X, A) PK_METHODS_ADAPTIVE_VERLET(X, A)                                        \
     PK_METHODS_COLLOCATION(X, A) PK_METHODS_EMBEDDED(X, A) PK_METHODS_GAUSS(X, A)                  \
     PK_METHODS_RADAU(X, A) PK_METHODS_EXPONENTIAL(X, A) PK_METHODS_LIE_MIDPOINT(X, A)              \
-    PK_METHODS_RATTLE(X, A) PK_METHODS_RKMK(X, A)
+    PK_METHODS_RATTLE(X, A) PK_METHODS_RKMK(X, A) PK_METHODS_HEUN(X, A)                           \
+    PK_METHODS_LANGEVIN(X, A)
 
 /* Macros for X: PK_NAME_OF expands to A(name), PK_DECLARE_METHOD declares pk_method_NAME, and
  * PK_DEFINE_METHOD defines it, with struct members of the family from A(table). */

@@ -15,6 +15,7 @@
 #include <pk/method.h>
 #include <pk/methods.h>
 #include <pk/real.h>
+#include <pk/act.h>
 #include <pk/sample.h>
 #include <pk/status.h>
 #include <pk/system.h>

@@ -136,7 +136,8 @@ struct pk_run_settings {
     /* 1: the run is compared with other runs. It makes no check by a second method, and if event
      * `at` never occurs, the start and the end are rows */
     int compared;
-    double cap; /* limit in processor seconds; 0: no limit */
+    unsigned long seed; /* of noise; member numbers are those of the streams */
+    double cap;         /* limit in processor seconds; 0: no limit */
 
     size_t members; /* number of ensemble members; 0: one trajectory */
     size_t n_member_columns;

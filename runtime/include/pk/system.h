@@ -133,6 +133,14 @@ struct pk_part_samples {
     pk_kernel_2 *start;
 };
 
+/* Independent white noises. values() writes the two-sided intensity S of each, and for each the n
+ * accelerations by a unit force along it; both depend on q and t alone. */
+struct pk_part_noise {
+    size_t n;
+    const char *const *names;
+    pk_kernel_2 *values;
+};
+
 struct pk_system {
     unsigned abi;  /* PK_ABI when the model was compiled */
     unsigned size; /* sizeof (struct pk_system) when the model was compiled */
@@ -232,6 +240,9 @@ struct pk_system {
     size_t n_tables;
     int consistent; /* whether pk_integrator_reset() moves to the nearest state on constraints */
     struct pk_part_samples samples;
+    struct pk_part_resets resets;
+    struct pk_part_contacts contacts;
+    struct pk_part_noise noise;
     /* Add new members here, at the end. */
 };
 

@@ -61,6 +61,43 @@ struct pk_part_events {
     pk_kernel *values;
 };
 
+/* Values after an event: next() writes q, v and all inputs after it. */
+struct pk_reset {
+    size_t event;
+    pk_kernel *next;
+};
+struct pk_part_resets {
+    size_t n;
+    const struct pk_reset *table;
+};
+
+/* A constraint row that holds at times; see pk/act.h. */
+enum pk_contact_kind { PK_CONTACT, PK_FRICTION, PK_LATCH };
+struct pk_contact {
+    const char *name;
+    enum pk_contact_kind kind;
+    size_t row; /* of the constraints */
+    /* The input that is 1 while the row holds. The next input is for friction the direction of the
+     * slip, or 0; else the energy lost in impacts. The third is 1 while the row is kept at 0 by
+     * others that it is a combination of, without a force of its own that is to be found. */
+    size_t mode;
+    size_t of; /* of a friction: number of the contact whose multiplier bounds it, or of none */
+    /* Events: where a gap closes, where a contact opens; where friction changes; where a latch
+     * closes and opens. */
+    size_t event, open;
+    int flag; /* of a contact: Poisson's law of restitution; of a latch: it holds at the start */
+};
+/* values() writes five numbers for each: the acceleration of the row if no row holds that may open;
+ * then of a contact the coefficient of restitution, and of a friction its bound while it slips,
+ * F + mu lambda, as F and mu, and the same while it sticks. modes: for each constraint row 1 + the
+ * input that is its mode, or 0 if it always holds. */
+struct pk_part_contacts {
+    size_t n;
+    const struct pk_contact *table;
+    const size_t *modes;
+    pk_kernel *values;
+};
+
 /* Kinds of jumps across a switch. PK_IMPULSE_ENERGY: L or a holonomic constraint jumps;
  * PK_IMPULSE_ROLLING: a rolling constraint jumps. */
 enum pk_impulse { PK_IMPULSE_ENERGY = 1, PK_IMPULSE_ROLLING = 2 };

@@ -73,7 +73,7 @@ struct control {
 };
 
 /* Name and hash of a setting. A checkpoint can only be resumed by a run with the same hashes. */
-enum { MARKS = 37 };
+enum { MARKS = 38 };
 struct mark {
     const char *name;
     uint64_t of;
@@ -168,6 +168,8 @@ struct pk_run {
     int reduces_rows;      /* whether any reduction reads the rows */
     struct moment now;     /* memory for the result of run_moment() */
     struct pk_sampler sampler;
+    struct pk_actor actor;
+    size_t acts; /* length of its work memory; 0 if nothing acts */
     size_t stops; /* number of times in settings.asked.stops that are past */
     /* Row k is at time k * every. `count`: index of the final row; `next`: of the next one. */
     pk_real count, next;

@@ -109,6 +109,8 @@ static void report(const struct pk_run *run, const struct batch *b, const struct
                {"method", s->method->name});
     json_reals(j, {"order", s->method->order},
                {"step", member_fixed(s) ? s->options.h : PK_INFINITY});
+    if (b->system->noise.n)
+        json_integer(j, "seed", s->asked.seed);
     json_counts(j, {"members", s->asked.members}, {"done", tally->done}, {"failed", tally->failed});
     if (tally->failed)
         report_failed(s, j, "first_failed", tally->first_failed);
@@ -219,6 +221,7 @@ static int make_batch(struct pk_run *run, struct ensemble *of, size_t count)
     b->e.members = count;
     run->part = (double)of->first / (double)s->asked.members;
     members_set(b, of->first, count, run);
+    b->e.options.member = (unsigned long long)member_number(s, of->first);
     if (member_by_one(s))
         return watched_batch(b, run, of->first, count, &of->tally);
     pk_ensemble_run_threads(&b->e, b->threads, b->block, b->block_size);

@@ -46,6 +46,7 @@ static void prepare(struct pk_run *run, const struct work *w, size_t i)
     s->q = b->q0 + i * b->n;
     s->v = b->v0 + i * b->n;
     s->u = b->u + i * b->system->n_inputs;
+    s->options.member = (unsigned long long)member_number(s, w->first + i);
     s->polls = pk_thread() == 0;
     expect_own(s);
     run->lean = expect_lean(run);

@@ -84,7 +84,7 @@ void trust_judge(struct pk_run *run)
 {
     const int fixed = run_fixed(run), arrived = run->it.status >= 0;
     /* Fixed steps that arrive with a wrong energy may have passed the end of the motion. */
-    if (run->settings.n_parts || run->bare.samples.n ||
+    if (run->settings.n_parts || run->bare.samples.n || run->bare.noise.n ||
         !(arrived ? fixed && run->distrusted && !run->interrupted : doubtful(run)))
         return;
     FILE *file = run_text(run, &run->besides);

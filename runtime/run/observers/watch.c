@@ -17,6 +17,13 @@ const char *watch_name(const struct pk_system *system, size_t k)
                                 : system->switches.names[k - system->events.n].name;
 }
 
+/* Returns whether an event is of contacts alone, which report what it does: its name begins with a
+ * digit. */
+static int is_hidden(const struct pk_system *system, size_t k)
+{
+    return *watch_name(system, k) <= '9';
+}
+
 /* Returns the run's integrator, or that of block k; NULL if k is behind the last one. */
 static const struct pk_integrator *integrator(const struct pk_run *run, size_t k)
 {
@@ -49,7 +56,8 @@ void watch_warn(struct pk_run *run)
                     k < system->events.n ? "event" : "switch", watch_name(system, k),
                     (double)run->crossed[k].doubtful_t, WATCH_TOO_OFTEN);
     for (size_t k = 0; run->crossed && k < system->events.n; k++)
-        if (run->crossed[k].count && !run->crossed[k].leaves && run->crossed[k].states > FEW)
+        if (run->crossed[k].count && !run->crossed[k].leaves && run->crossed[k].states > FEW &&
+            !is_hidden(system, k))
             run_say(run,
                     "event %s: its function stays within %g of zero, beside what it is made "
                     "of: its crossings may be no more than errors",
@@ -64,6 +72,8 @@ static void report_kind(const struct pk_run *run, struct json *j, const char *ke
     json_open(j, key, '[');
     for (size_t k = from; run->crossed && k < from + count; k++) {
         const struct crossed *crossed = &run->crossed[k];
+        if (is_hidden(system, k))
+            continue;
         json_open(j, NULL, '{');
         json_text(j, "name", watch_name(system, k));
         if (k < system->events.n)
@@ -84,6 +94,17 @@ static void report(const struct pk_run *run, struct json *j)
     const struct pk_integrator *it;
     report_kind(run, j, "events", 0, system->events.n);
     report_kind(run, j, "switches", system->events.n, system->switches.n);
+    json_open(j, "contacts", '[');
+    for (size_t k = 0; run->acts && k < system->contacts.n; k++) {
+        const struct pk_contact_seen *seen = &run->actor.seen[k];
+        if (system->contacts.table[k].kind == PK_FRICTION)
+            continue;
+        json_open(j, NULL, '{');
+        json_text(j, "name", system->contacts.table[k].name);
+        json_reals(j, {"impacts", seen->impacts}, {"lost", seen->lost}, {"rests", seen->rests});
+        json_close(j, '}');
+    }
+    json_close(j, ']');
     json_integer(j, "event_tries", run->events.tries);
     json_open(j, "passed_over", '[');
     for (size_t k = 0; (it = integrator(run, k)) != NULL; k++) {

@@ -83,6 +83,7 @@ void settings_mark(struct settings *s)
         ONE(h_max),
         ONE(fixed_point),
         ONE(max_steps),
+        ONE(seed),
         ONE(land),
         ONE(at),
         ONE(diagnose),

@@ -74,7 +74,7 @@ struct pk_problem run_problem(struct pk_run *run)
 {
     struct settings *s = &run->settings;
     run->bare = *s->system;
-    if (s->asked.bare)
+    if (s->asked.bare && !s->system->resets.n && !s->system->contacts.n)
         run->bare.events.n = 0;
     if (s->asked.compute && !s->asked.only_stops)
         return (struct pk_problem){&run->bare, s->params, computed, s, computed_at};
@@ -97,5 +97,6 @@ long member_number(const struct settings *s, size_t member)
 
 int member_by_one(const struct settings *s)
 {
-    return s->asked.watch > 0 || s->system->switches.n > 0 || s->system->samples.n > 0;
+    return s->asked.watch > 0 || s->system->switches.n > 0 || s->system->samples.n > 0 ||
+           s->system->resets.n > 0 || s->system->contacts.n > 0;
 }

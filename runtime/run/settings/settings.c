@@ -67,6 +67,7 @@ static const char *steps(struct settings *s)
     s->options.h_max = (pk_real)x->h_max;
     s->options.max_steps = x->max_steps;
     s->options.iteration = x->fixed_point ? PK_FIXED_POINT : PK_NEWTON;
+    s->options.seed = x->seed;
     s->until = (pk_real)x->until;
     s->every = (pk_real)x->every;
     if (!(x->until > 0) || !isfinite(x->until))
@@ -221,7 +222,7 @@ static const char *start(struct settings *s)
     const size_t n = s->n;
     unsigned char *const given = s->start_given;
     s->system->start(s->params, s->q, s->v);
-    for (size_t k = 0; s->system->samples.n && k < x->n_inputs; k++)
+    for (size_t k = 0; s->system->samples.held && k < x->n_inputs; k++)
         if (x->inputs[k].index < s->system->n_inputs && s->system->samples.held[x->inputs[k].index])
             return "an input that a sample block sets has no value of its own";
     return take(x->inputs, x->n_inputs, s->u, s->system->n_inputs, NULL) &&

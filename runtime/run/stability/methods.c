@@ -51,7 +51,7 @@ static void described(struct json *j, const struct pk_method *m)
 {
     static const char *const traits[] = {"symplectic", "symmetric", "adaptive", "implicit",
                                          "dense",      "jacobians", "linear",   "no_inputs",
-                                         "exact",      "holonomic", "group"};
+                                         "exact",      "holonomic", "group",    "noise"};
     static const char *const facts[] = {
         "mass_constant", "mass_diagonal", "quadratic", "separable", "autonomous",
         "conservative",  "variational",   "smooth",    "affine",    "switched",

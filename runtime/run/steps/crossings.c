@@ -24,6 +24,8 @@ static int found(void *context, const struct pk_events *events)
     struct pk_run *run = context;
     const struct moment now = moment_of(events);
     observe_crossing(run, events->which, &now);
+    if (run->acts)
+        pk_actor_note(&run->actor, events);
     if (!run_due(run, events->t))
         return 1;
     if (run->settings.asked.at == events->which + 1) {
@@ -31,7 +33,14 @@ static int found(void *context, const struct pk_events *events)
         observe_row(run, &now);
         run->at_event = 0;
     }
-    return run->write_failed;
+    return run->write_failed || run->actor.acting;
+}
+
+/* Changes the motion if the step has ended at an event that does. */
+static enum pk_status act(struct pk_run *run, enum pk_status status)
+{
+    return status == PK_STOPPED_EVENT && run->actor.acting ? pk_actor_run(&run->actor, &run->it)
+                                                           : status;
 }
 
 static void doubtful(void *context, const struct pk_events *events)
@@ -68,6 +77,9 @@ enum pk_run_code crossings_begin(struct pk_run *run)
     run->events.switched = switched;
     run->events.doubtful = doubtful;
     run->events.context = run;
+    run->actor.events = &run->events;
+    if (run->acts)
+        pk_actor_watch(&run->actor, &run->it);
     return PK_RUN_DONE;
 }
 
@@ -107,7 +119,7 @@ enum pk_status crossings_step(struct pk_run *run, pk_real limit)
 {
     if (!run->crossed)
         return pk_integrator_step(&run->it, limit);
-    const enum pk_status status = pk_events_step(&run->events, &run->it, limit);
+    const enum pk_status status = act(run, pk_events_step(&run->events, &run->it, limit));
     if (status >= 0)
         note_leaving(run);
     return status;
@@ -157,10 +169,11 @@ enum pk_status crossings_to(struct pk_run *run, pk_real t, int one_step, int see
             status = seen ? crossings_sample(run) : pk_sampler_run(&run->sampler, it);
         const pk_real end = run->bare.samples.n ? pk_sampler_limit(&run->sampler, t) : t;
         if (status == PK_DONE && one_step)
-            status = run->crossed ? pk_events_step(&run->events, it, end)
+            status = run->crossed ? act(run, pk_events_step(&run->events, it, end))
                                   : pk_integrator_step(it, end);
         else if (status == PK_DONE)
-            status = run->crossed ? pk_events_to(&run->events, it, end) : pk_integrator_to(it, end);
+            status = run->crossed ? act(run, pk_events_to(&run->events, it, end))
+                                  : pk_integrator_to(it, end);
     } while (status == PK_DONE && it->t < t && !one_step);
     if (run->bare.samples.n && status == PK_DONE)
         status = seen ? crossings_sample(run) : pk_sampler_run(&run->sampler, it);

@@ -125,6 +125,8 @@ static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
     PK_KEEP(k, aside);
     if (run->bare.samples.n)
         pk_sampler_keep(&run->sampler, k);
+    if (run->acts)
+        pk_actor_keep(&run->actor, k);
     k->wrong |= !(run->next >= 0 && run->next <= run->count + 1) ||
                 run->next > PK_F(floor)(run->next);
     enum pk_status status = pk_integrator_keep(&run->it, k);

@@ -24,6 +24,8 @@ static void report_work(struct json *j, const struct pk_run *run)
                {"step_min", run->h_min > 0 ? run->h_min : run->h_max}, {"step_max", run->h_max},
                {"rtol", s->options.rtol},
                {"atol", s->options.atol < 0 ? PK_INFINITY : s->options.atol});
+    if (s->system->noise.n)
+        json_integer(j, "seed", s->asked.seed);
     json_counts(j, {"rows", run->rows}, {"steps", c->steps}, {"rejections", c->rejections},
                 {"evaluations", c->evaluations}, {"jacobians", c->jacobians},
                 {"factorisations", c->factorisations}, {"iterations", c->iterations},

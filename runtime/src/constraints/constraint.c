@@ -140,8 +140,9 @@ enum pk_status pk_project_start(struct pk_integrator *it)
         return pk_fail_with(it, PK_OFF_CONSTRAINTS, PK_WHY(.value = (pk_real)NAN));
     size_t row =
         pk_project_broken(&w, w.phi, w.phi_size, w.mu, w.h, q, 0, pk_project_passed(it, &w));
-    const size_t off = pk_project_broken(&w, w.rate, w.rate_size, w.mu, w.c, v, 1, 0);
-    size_t depends = w.whole ? nothing(&w, q, v, w.d) : 0;
+    const size_t off = pk_project_broken(&w, w.rate, w.rate_size, w.mu, w.c, v, 1,
+                                         pk_project_rest(it, &w, q));
+    size_t depends = w.whole && !w.system->contacts.modes ? nothing(&w, q, v, w.d) : 0;
     if (depends)
         w.depends[0] = (pk_real)depends, pk_zero(w.depends + 1, w.c);
     else
@@ -150,11 +151,11 @@ enum pk_status pk_project_start(struct pk_integrator *it)
         return pk_eval_failed(it, it->t, q, v, w.inertia);
     if (row < w.h)
         return pk_fail_with(it, PK_OFF_CONSTRAINTS,
-                            PK_WHY(.kind = PK_REASON_ROW, .index = row, .value = w.phi[row]));
+                            PK_WHY(.kind = PK_REASON_ROW, .index = pk_project_row(&w, row), .value = w.phi[row]));
     row = off;
     if (row < w.c)
         return pk_fail_with(it, PK_OFF_CONSTRAINTS,
-                            PK_WHY(.kind = PK_REASON_ROW_RATE, .index = row, .value = w.rate[row]));
+                            PK_WHY(.kind = PK_REASON_ROW_RATE, .index = pk_project_row(&w, row), .value = w.rate[row]));
     if (depends)
         return pk_fail_with(it, PK_NO_PROJECTION, PK_WHY(.index = depends - 1));
     PK_TRY(pk_project(it, it->t, q, v, NULL, NULL, &moved));

@@ -179,7 +179,7 @@ static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w,
         if (done || singular || (!count && off(it, w, ratio, q, of_rates ? v : q, of_rates)))
             return pk_fail_with(it, PK_NO_PROJECTION,
                                 PK_WHY(.kind = of_rates ? PK_REASON_ROW_RATE : PK_REASON_ROW,
-                                       .index = which, .value = residual[which]));
+                                       .index = pk_project_row(w, which), .value = residual[which]));
         if (of_rates) {
             pk_project_seen(it, w);
             subtract(v, w->d, low_v, w->m);

@@ -29,7 +29,7 @@ static inline size_t lay_out(struct pk_projection *w, const struct pk_problem *p
     size_t used = 0;
     w->system = system, w->params = params, w->u = NULL, w->t = 0;
     w->n = n, w->c = c, w->r = r, w->whole = !system->constraints.factor;
-    w->inertia = 0;
+    w->inertia = w->all = 0;
     w->h = pk_system_rows(system, params, 1);
     w->rotation = pk_system_coordinates(system, params);
     w->m = w->rotation + 3 * pk_system_rotations(system, params);
@@ -51,6 +51,7 @@ static inline size_t lay_out(struct pk_projection *w, const struct pk_problem *p
     w->most = take(base, &used, c);
     w->sines = take(base, &used, c);
     w->depends = take(base, &used, 1 + c);
+    w->rows = take(base, &used, system->contacts.modes ? c : 0);
     w->off = take(base, &used, 2 * r);
     w->off_size = take(base, &used, 2 * r);
     w->off_rows = take(base, &used, r * n);
@@ -98,19 +99,47 @@ int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real 
     return pivot ? PK_FAILED(PK_FAILURE_MASS, pivot - 1) : 0;
 }
 
+/* Moves the numbers of the rows that hold now to the front: `of_rates` of all rows, `of_places` of
+ * holonomic ones, and J unless NULL. */
+static void pack(struct pk_projection *w, pk_real *of_places, pk_real *of_rates, pk_real *J)
+{
+    const size_t *modes = w->system->contacts.modes;
+    if (!modes || w->all)
+        return;
+    w->c = w->h = 0;
+    for (size_t i = 0; i < w->system->constraints.n; i++) {
+        if (modes[i] && !(w->u[modes[i] - 1] > 0))
+            continue;
+        w->rows[w->c] = (pk_real)i;
+        of_rates[w->c] = of_rates[i];
+        if (J)
+            memmove(J + w->c * w->n, J + i * w->n, w->n * sizeof *J);
+        if (i < w->system->constraints.n_holonomic)
+            of_places[w->h++] = of_places[i];
+        w->c++;
+    }
+}
+
+size_t pk_project_row(const struct pk_projection *w, size_t row)
+{
+    return w->system->contacts.modes && !w->all ? (size_t)w->rows[row] : row;
+}
+
 void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v)
 {
     if (w->whole)
         w->system->constraints.jacobian(OF(w), w->J, w->rate);
     else
         w->system->constraints.rates(OF(w), w->rate);
-    if (w->h)
+    if (w->system->constraints.values)
         w->system->constraints.values(OF(w), w->phi);
+    pack(w, w->phi, w->rate, w->J);
 }
 
 void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *v)
 {
     w->system->constraints.scale(OF(w), w->phi_size, w->rate_size);
+    pack(w, w->phi_size, w->rate_size, NULL);
 }
 
 void pk_project_spread(const struct pk_projection *w, const pk_real *q, const pk_real *v,

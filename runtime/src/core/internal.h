@@ -63,6 +63,8 @@ enum {
  * of the fixed-point iteration. PK_BY_NEWTON: the longest step for which Newton's method converged.
  * PK_OF_RATES: the last correction of the iteration that computes rates from momenta. */
 enum { PK_BY_FIXED_POINT, PK_BY_NEWTON, PK_OF_RATES };
+/* Kind for PK_NOT_FINITE: `value` is the intensity of noise `index`, which is negative. */
+enum { PK_OF_NOISE = 1 };
 /* Kinds for PK_OFF_CONSTRAINTS and PK_NO_PROJECTION, with the meaning of `index`: */
 enum {
     PK_REASON_ROW,      /* `index` is a row whose phi is violated */
@@ -78,6 +80,8 @@ enum {
 };
 /* Kinds for PK_STEP_UNDERFLOW: what changes too fast. */
 enum { PK_REASON_LENGTH, PK_REASON_TIME_SCALE };
+/* A kind for PK_NO_PROGRESS: contacts and frictions change `value` times within `time`. */
+enum { PK_REASON_STEPS, PK_REASON_CROWD };
 /* Kinds for PK_SINGULAR_TIME: whether the acceleration grows towards the singularity. */
 enum { PK_REASON_GROWS, PK_REASON_BOUNDED };
 

@@ -32,7 +32,9 @@ struct pk_projection {
     /* first number: 1 + the index of a dependent row, or 0; then the coefficients of the linear
      * combination of other rows that equals this row */
     pk_real *depends;
-    size_t r; /* number of redundant rows */
+    int all;       /* flag: rows that do not hold now are kept too */
+    pk_real *rows; /* the numbers of the rows in the system, if some do not hold */
+    size_t r;      /* number of redundant rows */
     /* For the r redundant rows: off has 2 r residuals, off_size the 2 r sizes of their terms,
      * off_rows their rows of J, and off_slopes their pk_project_slopes(). */
     pk_real *off, *off_size, *off_rows, *off_slopes;
@@ -59,6 +61,8 @@ static inline struct pk_projection pk_projection(const struct pk_integrator *it)
 int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v);
 void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v);
 void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *v);
+/* Returns the number in the system of a row of J. */
+size_t pk_project_row(const struct pk_projection *w, size_t row);
 /* Returns the largest ratio of a residual to the size of its terms (or NaN), and the index of that
  * row in *which. The size is at least PK_EPS times that of the other rows' terms, so that
  * a row of tiny terms has no large ratio. */

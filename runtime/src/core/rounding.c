@@ -7,6 +7,7 @@
 #include "scale.h"
 
 #define ROUNDING (8 * PK_EPS)
+#define MORE PK_C(16.0)
 #define ASIDE PK_F(sqrt)(PK_EPS)
 enum { SAMPLES = 4 };
 
@@ -131,7 +132,8 @@ static int noise_at(struct pk_integrator *it, pk_real aside, pk_real *a, pk_real
 
 /* Forces on a body that constraints hold at rest cancel, perhaps exactly, so that the rounding of
  * these forces does not show if the state is changed. So the error of a_k is taken as at least the
- * rounding of the terms (M^-1 J^T)_ki lambda_i, the accelerations by the constraint forces. */
+ * rounding of the terms (M^-1 J^T)_ki lambda_i, the accelerations by the constraint forces. Rows
+ * that hold at times are solved with the others, by an elimination with more roundings. */
 static void look_at_rows(struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
@@ -154,8 +156,9 @@ static void look_at_rows(struct pk_integrator *it)
     for (size_t k = 0; k < w.m; k++) {
         pk_real sum = 0;
         for (size_t i = 0; i < w.c; i++)
-            sum += pk_abs(w.W[i * w.m + k] * lambda[i]);
-        noise[k] = pk_finite(sum) ? pk_max(noise[k], ROUNDING * sum) : noise[k];
+            sum += pk_abs(w.W[i * w.m + k] * lambda[pk_project_row(&w, i)]);
+        sum *= system->contacts.modes ? MORE * ROUNDING : ROUNDING;
+        noise[k] = pk_finite(sum) ? pk_max(noise[k], sum) : noise[k];
     }
 }
 

@@ -48,6 +48,9 @@ size_t pk_splitting_size(const struct pk_method *method, const struct pk_problem
                          size_t n);
 size_t pk_linear_drag_size(const struct pk_splitting *table, size_t n);
 enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_splitting *table);
+/* Computes B of an acceleration g + B v; `zero` has n zeros, g and a room for n numbers each. */
+enum pk_status pk_drag_matrix(struct pk_integrator *it, pk_real *zero, pk_real *g, pk_real *a,
+                              pk_real *B);
 /* Return the tableau of an explicit Runge-Kutta method, or NULL for other methods. pk_erk_table()
  * also returns NULL for adaptive methods. */
 const struct pk_tableau *pk_explicit_table(const struct pk_method *method);

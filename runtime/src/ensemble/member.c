@@ -52,7 +52,9 @@ enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member, 
         problem.input = pk_constant_input;
         problem.context = &m->input;
     }
-    return pk_integrator_init(&m->it, &problem, e->method, &e->options, e->t0, e->q0 + member * n,
+    struct pk_options options = e->options;
+    options.member += member;
+    return pk_integrator_init(&m->it, &problem, e->method, &options, e->t0, e->q0 + member * n,
                               e->v0 + member * n, (char *)m + pk_ensemble_padded(sizeof *m),
                               pk_integrator_size(&problem, e->method));
 }

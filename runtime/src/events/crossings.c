@@ -8,6 +8,7 @@
 #include <pk/root.h>
 
 enum { MOST_NODES = PK_MOST_NODES, REFINEMENTS = 96, PIECES = 3 };
+#define NEARLY PK_C(1e-3) /* a polynomial with a smaller tail, relative to the range, is accurate */
 #define MARGIN PK_C(0.03125) /* error of an interpolant, relative to the range of g */
 /* accuracy of the angle, in radians, at which the polynomial is extremal */
 #define TURNED PK_C(1e-7)
@@ -251,12 +252,14 @@ static enum pk_status nodes(struct along *a)
         const pk_real right = pk_events_sample(e, (j + 1) * stride)[a->k];
         if (!pk_finite(left) || !pk_finite(right))
             continue; /* g is not finite on the interpolant */
-        if (shape->clear) {
-            PK_TRY(interval(a, j));
-        } else if (opposite(left, right)) {
+        /* a polynomial that is not accurate may cross zero elsewhere than between these samples */
+        const int apart = opposite(left, right) && !(shape->tail <= NEARLY * shape->range);
+        if (apart)
             PK_TRY(settle(a, pk_events_node(e, j * stride)));
+        if (shape->clear)
+            PK_TRY(interval(a, j));
+        if (apart)
             PK_TRY(settle(a, pk_events_node(e, (j + 1) * stride)));
-        }
     }
     if (!(end < h) || (pk_finite(last) && (opposite(last, a->g[a->count - 1]) ||
                                            pk_abs(last) <= MARGIN * shape->range))) {

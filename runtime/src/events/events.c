@@ -131,7 +131,7 @@ static enum pk_status at_end(const struct pk_events *e, struct pk_integrator *it
         if (!pk_finite(g[k]))
             return pk_events_not_finite(it, k);
     for (size_t k = 0; k < e->n_events && !end && e->kept; k++)
-        if (g[k] * e->held[k] < 0 && pk_abs(g[k]) <= pk_abs(e->held[k]))
+        if (!(g[k] * e->held[k] >= 0) && pk_abs(g[k]) <= pk_abs(e->held[k]))
             g[k] = e->held[k] > 0 ? PK_TINY : -PK_TINY;
     return PK_DONE;
 }

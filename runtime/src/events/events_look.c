@@ -265,6 +265,27 @@ static enum pk_status seek(struct pk_events *e, struct pk_integrator *it)
     return PK_DONE;
 }
 
+/* A function that was given room (pk/act.h) is positive from the start of a motion on, whatever
+ * rounding says: if it is at the first sample, it is looked at from there. */
+static enum pk_status begin_late(struct pk_events *e, struct pk_integrator *it)
+{
+    const pk_real x = pk_abs(it->t - e->from) * (1 - pk_events_cosines[1]) / 2;
+    pk_real *g = NULL;
+    for (size_t k = 0; k < e->n_events; k++) {
+        if (!(e->off[k] < 0) || !(e->held[k] > 0) || pk_finite(e->held[k]))
+            continue;
+        if (!g) {
+            const pk_real t = pk_events_time(e, it, x);
+            PK_TRY(pk_events_reach(e, it, t));
+            g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
+            pk_events_functions(e, it, t, e->trial, e->trial_v, g);
+        }
+        if (g[k] > 0)
+            e->shapes[k].last_x = x, e->shapes[k].last_g = g[k];
+    }
+    return PK_DONE;
+}
+
 enum pk_status pk_events_look(struct pk_events *e, struct pk_integrator *it)
 {
     const pk_real h = pk_abs(it->t - e->from);
@@ -281,6 +302,7 @@ enum pk_status pk_events_look(struct pk_events *e, struct pk_integrator *it)
         e->shapes[k].last_x = 0;
         e->shapes[k].last_g = pk_events_end(e, 0)[k];
     }
+    PK_TRY(begin_late(e, it));
     while (part < parts) {
         e->at = h * (pk_real)part / (pk_real)parts;
         e->width = (part + 1 == parts ? h : h * (pk_real)(part + 1) / (pk_real)parts) - e->at;

@@ -127,6 +127,7 @@ enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
     if (!stopped && !passed)
         return it->status = PK_DONE;
     e->cut = 1;
+    e->tried = attempted;
     hold(e);
     if (passed) {
         PK_TRY(pk_switches_pass(e, it, last, attempted));

@@ -58,7 +58,7 @@ void pk_events_functions(const struct pk_events *e, const struct pk_integrator *
     if (e->n_events)
         p->system->events.values(e->params ? e->params : p->params, t, q, v, e->u, g);
     for (size_t k = 0; k < e->n_events; k++)
-        if (p->system->events.table[k].stop > 1 && pk_abs(g[k] -= e->off[k]) <= 0)
+        if (pk_abs(g[k] -= e->off[k]) <= 0 && p->system->events.table[k].stop > 1)
             g[k] = -PK_TINY * (pk_real)p->system->events.table[k].direction;
     switches(e, it, t, q, v, g + e->n_events);
 }

@@ -54,34 +54,41 @@ static struct work work_of(const struct pk_integrator *it, const struct pk_split
 }
 
 /* Computes B from accelerations at rates so large that g vanishes in the rounding of B v. */
+enum pk_status pk_drag_matrix(struct pk_integrator *it, pk_real *zero, pk_real *g, pk_real *a,
+                              pk_real *B)
+{
+    const size_t n = it->n;
+    const pk_real length = 1 / (PK_EPS * PK_EPS);
+    PK_TRY(pk_eval_acceleration(it, it->t, it->q, zero, g));
+    for (size_t j = 0; j < n; j++) {
+        zero[j] = length;
+        const enum pk_status status = pk_eval_acceleration(it, it->t, it->q, zero, a);
+        zero[j] = 0;
+        if (status < 0)
+            return status;
+        for (size_t i = 0; i < n; i++)
+            B[i * n + j] = (a[i] - g[i]) / length;
+    }
+    return pk_all_finite(B, n * n) ? PK_DONE : PK_NOT_FINITE;
+}
+
 enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_splitting *table)
 {
     if (it->n > PK_EXPONENTIAL_MOST)
         return PK_REFUSED;
     const struct work w = work_of(it, table);
     const size_t n = w.n;
-    const pk_real length = 1 / (PK_EPS * PK_EPS);
-    pk_real *g = w.room, *a = g + n;
     pk_zero(w.h, KEPT);
     pk_zero(w.zero, n);
     *w.last = *w.norm = 0;
-    PK_TRY(pk_eval_acceleration(it, it->t, it->q, w.zero, g));
-    for (size_t j = 0; j < n; j++) {
-        w.zero[j] = length;
-        const enum pk_status status = pk_eval_acceleration(it, it->t, it->q, w.zero, a);
-        w.zero[j] = 0;
-        if (status < 0)
-            return status;
-        for (size_t i = 0; i < n; i++)
-            w.B[i * n + j] = (a[i] - g[i]) / length;
-    }
+    PK_TRY(pk_drag_matrix(it, w.zero, w.room, w.room + n, w.B));
     for (size_t i = 0; i < n; i++) {
         pk_real row = 0;
         for (size_t j = 0; j < n; j++)
             row += pk_abs(w.B[i * n + j]);
         *w.norm = pk_max(*w.norm, row);
     }
-    return pk_all_finite(w.B, n * n) ? PK_DONE : PK_NOT_FINITE;
+    return PK_DONE;
 }
 
 /* Computes Phi and D of a drift of length h from exp(h L) - 1 = (0 s Phi; 0 D), L = (0 s; 0 B). s

@@ -97,7 +97,8 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     memset(it->own, 0, sizeof *it->own);
     if (pk_missing_facts(system, method) || pk_missing_kernel(system, method) ||
         (system->n_inputs && (method->traits & PK_NO_INPUTS)) ||
-        (pk_rolls(system) && (method->traits & PK_HOLONOMIC)))
+        (system->noise.n && !(method->traits & PK_NOISE)) ||
+        ((pk_rolls(system) || system->contacts.n) && (method->traits & PK_HOLONOMIC)))
         return pk_fail(it, PK_REFUSED, 0);
     if (pk_check_options(it) < 0)
         return it->status;
@@ -317,6 +318,7 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
         return PK_DONE;
     }
     pk_integrator_reset(side, it->last_t, it->own->next, pk_next(it, PK_V));
+    side->count.steps = it->count.steps - 1; /* the same noise */
     /* copies the parts of the state that a reset does not set, such as low parts */
     if (side->status >= 0)
         pk_copy(pk_state(side, PK_P), pk_next(it, PK_P),

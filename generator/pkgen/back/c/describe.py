@@ -59,6 +59,7 @@ _MATRICES = {
     "r_q": "r_q[i*{n} + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration",
     "r_v": "r_v[i*{n} + j] = dr_i/dv_j",
     "J_out": "J_out[k*{n} + j] = d(residual_k)/dv_j, row-major",
+    "G_out": "G_out[k*{n} + i], the acceleration a_i by a unit force along noise k",
     "off_rows": "off_rows[k*{n} + j], the derivatives by v_j, row-major",
     "slope": "slope[k*{n} + j] = d(switch k)/dq_j, along the axes of a body",
 }
@@ -80,6 +81,7 @@ _OUT = {
     "switching": lambda e: tuple(switch.quantity for switch in e.switches),
     "marking": lambda e: tuple(mark.quantity for mark in e.marks),
     "singularity": lambda e: tuple(singularity.quantity for singularity in e.singularities),
+    "meeting": lambda e: (),
 }
 _FORCES = ("f", "pdot", "dLdq", "dHdq", "applied")
 _UNLISTED = (
@@ -95,7 +97,7 @@ _VECTORS = {
     **dict.fromkeys(("v", "dHdp"), lambda e, _: e.rates),
     "H": lambda e, _: [Quantity("H", "" if e.model.dimensionless else "J", "")],
     "lambda_out": lambda e, _: e.constraints.names,
-    "out": lambda e, kernel: _OUT[kernel.name](e),
+    "out": lambda e, kernel: _OUT[kernel.name.removesuffix("_free")](e),
 }
 
 

@@ -83,8 +83,9 @@ def unused(names: Iterable[str]) -> list[Node]:
 class KernelCode:
     """A kernel of a model as C: its declaration and its functions."""
 
-    def __init__(self, model: str, kernel: Kernel):
-        self.model, self.kernel = model, kernel
+    def __init__(self, model: str, kernel: Kernel, free: str = ""):
+        """Where the condition `free` holds, the kernel NAME_free is called in its place."""
+        self.model, self.kernel, self.free = model, kernel, free
         self.spec = _PREPARE if kernel.name == "prepare" else spec_of(kernel.name)
         self.name = f"{model}_{kernel.name}"
 
@@ -140,6 +141,11 @@ class KernelCode:
     def body(self) -> Iterator[Node]:
         """Yields the body: the work array, calls of the functions of parts(), the last block."""
         of, parts = self.kernel, self.kernel.blocks[:-1]
+        if self.free:
+            outputs = ", ".join(output.name for output in of.outputs)
+            call = f"{self.name}_free(p, t, q, v, u, {outputs})"
+            void = of.result == "void"
+            yield If(self.free, [f"{call};", "return;"] if void else [f"return {call};"])
         if of.work and of.name != "prepare":
             yield f"pk_real w[{of.work}];"
         if any(block.checks for block in parts):

@@ -38,7 +38,7 @@ class LaneCode:
         checks = (s for s in self.algebra.statements if s.kind == CHECK)
         self.uniform = [s.text for s in checks if _read([s]) <= {"p"}]  # they read only parameters
         # Whether the kernel is one function without loops, which a loop over lanes can inline.
-        self.plain = not code.kernel.solves and len(code.kernel.blocks) == 1
+        self.plain = not (code.kernel.solves or code.free) and len(code.kernel.blocks) == 1
         self.sc = ", sc" if self.pairs else ""
         self.arguments = {
             "lanes": f"const struct {self.model}_params *p, {LANE_ARGUMENTS}",

@@ -131,7 +131,8 @@ class _Lowering(Hoisting):
         hoisting = self.hoist(roots, self._names())
         prepare = self._finished("prepare", "int", (), hoisting, {})
         parameters, tables = self.equations.parameters, self.equations.model.tables
-        in_lanes = not self.plain and not tables  # The members of lanes are numbers, not pointers.
+        # The members of lanes are numbers, not pointers. With contacts each has its own modes.
+        in_lanes = not self.plain and not tables and not self.equations.model.meets
         return Program(
             equations=self.equations,
             structure=self.structure,

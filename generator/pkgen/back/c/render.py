@@ -20,7 +20,7 @@ from ...system.cache import cached
 from ...system.exits import BuildError
 from ...version import __version__
 from ..facts import facts, invariants
-from ..kernels import KERNELS
+from ..kernels import KERNELS, OF_FLIGHT
 from ..kernels import kernel as spec_of
 from ..templates import environment
 from . import parameter_code, tables
@@ -60,6 +60,8 @@ SYSTEM_KERNELS = {
     "marking": "marks.values",
     "particles": "particles.at",
     "sampling": "samples.start",
+    "meeting": "contacts.values",
+    "noise": "noise.values",
 }
 
 # Files that connect a model's header and source to the runtime, and their templates.
@@ -250,6 +252,8 @@ def frame(
         "n_parameters": len(parameters),
         "n_inputs": len(names["inputs"]),
         "samples": model.samples,
+        "resetting": model.resetting,
+        **dict.fromkeys(("held", "reset_events", "meetings", "row_modes"), ()),
         "n_observed": len(names["observed"]),
         "n_conserved": len(names["conserved"]),
         "facts": [f"PK_{field.upper()}" for field in FACTS.split() if getattr(proved, field)],
@@ -303,7 +307,11 @@ def _context(program: Program) -> dict[str, Any]:
         "has_linear": int("linear" in present),
         "has_parts": int({"kinetic", "potential"} <= present),
         "input_rates": tables.input_rates(equations.inputs),
+        "noises": equations.noise.names if equations.noise else (),
         "held": tables.held(equations),
+        "reset_events": tables.reset_events(equations),
+        "meetings": tables.meetings(equations),
+        "row_modes": tables.row_modes(equations),
         "functions": _functions(program),
         "forms": list(program.lanes),
         "lane_arguments": LANE_ARGUMENTS,
@@ -346,8 +354,11 @@ def _functions(program: Program) -> str:
     found = list(parameter_code.functions(program))
     if any(kernel.solves for kernel in program.kernels):
         found.insert(0, str(dense.functions()))
+    modes = tables.modes(program.equations)
     for kernel in program.kernels:
-        code = KernelCode(program.equations.model.name, kernel)
+        free = " && ".join(f"!(u[{k}] < 0 || u[{k}] > 0)" for k in modes)
+        of_flight = kernel.name in OF_FLIGHT
+        code = KernelCode(program.equations.model.name, kernel, free if of_flight else "")
         if kernel.name == "acceleration" and not program.plain:
             found += LaneCode(program, code).functions(solve)
         else:

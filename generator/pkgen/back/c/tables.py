@@ -132,6 +132,8 @@ def system_entries(program: Program) -> dict[str, object]:
         entries["switches.impulses"] = f"{own}_impulses"
     if program.tables:
         entries |= {"n_tables": len(program.tables), "tables": f"{own}_tables"}
+    if program.kernel("noise") is not None:
+        entries |= {"noise.n": len(e.noise.names), "noise.names": f"{own}_noises"}
     if e.model.consistent:
         entries["consistent"] = 1
     if e.counted:
@@ -206,3 +208,41 @@ def held(e: Equations) -> list[int]:
     """Returns for each input 1 if a sample block sets it, else 0."""
     by = {item.name for item in e.model.inputs if item.by}
     return [int(quantity.name in by) for quantity in e.inputs]
+
+
+def reset_events(e: Equations) -> list[int]:
+    """Returns the numbers of the events that give values."""
+    return [k for k, event in enumerate(e.model.events) if event.then]
+
+
+def meetings(e: Equations) -> list[dict[str, Any]]:
+    """Returns the rows of the table of contacts; see struct pk_contact."""
+    found = e.constraints.meetings if e.constraints else ()
+    places = {x.name: k for k, x in enumerate(found) if x.kind == "CONTACT"}
+    events = {q.name: k for k, q in enumerate(e.event_names)}
+    return [
+        {
+            "name": x.name,
+            "kind": x.kind,
+            "row": x.row,
+            "mode": e.graph.data[x.mode].index,
+            "of": places.get(x.of, len(found)),
+            "events": [events.get(name, len(events)) for name in x.events],
+            "flag": int(x.flag),
+        }
+        for x in found
+    ]
+
+
+def row_modes(e: Equations) -> list[int]:
+    """Returns for each row of the constraints 1 + the input that is its mode, or 0."""
+    modes = [0] * len(e.constraints.names) if e.constraints and e.constraints.meetings else []
+    for x in meetings(e):
+        modes[x["row"]] = 1 + x["mode"]
+    return modes
+
+
+def modes(e: Equations) -> list[int]:
+    """Returns the inputs that say which rows hold, and which frictions slip."""
+    found = e.constraints.meetings if e.constraints else ()
+    return [e.graph.data[x].index for m in found for x in (m.mode, m.side) if x is not None]

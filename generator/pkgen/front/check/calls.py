@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import reduce
 
 from ...functions import FUNCTIONS, VECTOR_FUNCTIONS, WRITTEN_OUT
-from ...indices import integer
+from ...indices import indexed, integer
 from ...model import Exact
 from ...source import Span
 from ...system.near import meant
@@ -17,7 +17,17 @@ from ..units import NONE, Dimension
 from . import values as values_of
 from .checking import Checked
 from .conditions import truth
-from .names import ROTATIONS, SPECIAL, UNKNOWN, Facts, Members, Wrong, callable_names, joined
+from .names import (
+    EVENTS,
+    ROTATIONS,
+    SPECIAL,
+    UNKNOWN,
+    Facts,
+    Members,
+    Wrong,
+    callable_names,
+    joined,
+)
 from .rotations import RotationCalls
 from .scope import PLACES, Scope
 from .written import written
@@ -28,6 +38,10 @@ class Calls(RotationCalls):
         super().__init__(*given, **more)
         self.tables: dict[str, tuple[str, bool, tuple[Dimension, ...]]] = {}
         self.powers: dict[str, tuple[Expr, Range | None]] = {}  # by name of a force
+        # The energy lost in a contact, friction or latch by its name, and those that are asked for.
+        self.losses: dict[str, Checked] = {}
+        self.lost: set[str] = set()
+        self.begins: dict[str, bool] = {}  # whether a mode is on at the start
         self.exacts: list[Exact] = []  # closed forms that are valid at the place being checked
 
     def call(self, expr: Call, scope: Scope) -> Checked:
@@ -36,6 +50,8 @@ class Calls(RotationCalls):
             return self._of_run(expr)
         if function == "power" and len(expr.arguments) == 1:
             return self._power(expr, scope)
+        if function == "loss" and len(expr.arguments) == 1:
+            return self._loss(expr, scope)
         if function == "error" and len(expr.arguments) == 1:
             return self._error(expr, scope)
         if function in ROTATIONS:  # The arguments may be rotations.
@@ -97,11 +113,11 @@ class Calls(RotationCalls):
     def _time_of(self, argument: Expr) -> Facts:
         name = argument.id if isinstance(argument, Name) else ""
         entry = self.names.table.get(name)
-        if entry is not None and entry.kind == "event":
+        if entry is not None and entry.kind in EVENTS:
             return Facts(self.time_dimension)
         if entry is not None and entry.kind == "poisoned":
             raise Wrong
-        events = [n for n, e in self.names.table.items() if e.kind == "event"]
+        events = [n for n, e in self.names.table.items() if e.kind in EVENTS]
         help = f"the events are: {', '.join(events)}" if events else "declare it by 'event'"
         help = meant(name, events) or help
         raise Wrong("time(…) takes an event: when it first happens", help, argument)
@@ -127,6 +143,21 @@ class Calls(RotationCalls):
         if range_ is not None:
             value = of_member(value, range_.variable, argument.index)
         return value, entry.facts
+
+    def _loss(self, expr: Call, scope: Scope) -> Checked:
+        """Checks loss(NAME), the energy that a contact, a friction or a latch has taken so far."""
+        (argument,) = expr.arguments
+        name = argument.id if isinstance(argument, Name) else ""
+        if isinstance(argument, Name) and argument.index is not None:
+            index = self.indices.value(argument.index, Scope(PLACES["size"]))
+            name = indexed(name, index) if index is not None else name
+        if name not in self.losses:
+            help = meant(name, self.losses) or "of one that stands above: contact floor: y >= 0"
+            raise Wrong("loss(…) takes the name of a contact, a friction or a mode", help, argument)
+        if not scope.place.accelerations:
+            raise Wrong(f"{scope.place.what} cannot use a loss")
+        self.lost.add(name)
+        return self.losses[name]
 
     def _of_table(self, expr: Call, parts: list[Checked], scope: Scope) -> Checked:
         """Checks the value of a table. It is not known before a run, since a run may bring data."""

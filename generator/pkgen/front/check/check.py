@@ -26,6 +26,7 @@ from ..words import CONSTANTS
 from .bodies import Bodies
 from .body_families import indices, written_out
 from .constraints import Constraints
+from .contacts import Contacts
 from .coordinates import Coordinates
 from .definitions import Definitions
 from .drawings import Drawings
@@ -135,6 +136,7 @@ class _Checker(Checks):
             "dynamics": self.dynamics,
             "forces": Forces(self.shared, self.dynamics.rotations),
             "constraints": Constraints(self.shared),
+            "contacts": Contacts(self.shared),
             "bodies": self.bodies,
             "drawings": Drawings(self.shared),
             "methods": self.methods,
@@ -163,6 +165,7 @@ class _Checker(Checks):
         self.tables.finish(self.broken)
         if "rate" not in self.broken:
             self.states.finish()
+        self.checks["contacts"].finish()
         required = Required(self.file, self.shared, self.broken)
         required.check()
         parts = self.parts

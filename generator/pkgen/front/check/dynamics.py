@@ -92,8 +92,11 @@ class Dynamics(Checks):
     ) -> tuple[m.Start, ...] | None:
         """Checks an initial value. Returns its Starts: one for a number, several for a rotation.
         Returns None after an error. `around` is the scope of a value that depends on the loop
-        variable of a swarm."""
+        variable of a swarm, or of a value after an event."""
         left = item.left
+        mode = self.names.table.get(left.name)
+        if mode is not None and mode.kind == "mode" and around is None:
+            return self._begin(item)
         around = around or Scope(PLACES["start"])
         if self.names.hamiltonian and (found := self._momentum(item, around)):
             return found
@@ -120,6 +123,16 @@ class Dynamics(Checks):
         target = as_is(left.name + "'" * item.order, dimension)
         value, _ = self.wanted(item.value, scope, target)
         return (m.Start(left.name, left.index, left.range, item.order, value, item.span),)
+
+    def _begin(self, item: st.StartItem) -> tuple[m.Start, ...]:
+        """Checks `start MODE = 1`: the mode is on at the start; 0: off."""
+        _, facts = self.checked(item.value, Scope(PLACES["start"]))
+        if facts.value not in (0, 1) or item.order:
+            message = f"'{item.left.name}' is a mode: it starts with 1, on, or 0, off"
+            self.error(message, item.value, f"start {item.left.name} = 1")
+        else:
+            self.expressions.begins[item.left.name] = facts.value == 1
+        return ()
 
     def _momentum(self, item: st.StartItem, around: Scope) -> tuple[m.Start, ...]:
         """Checks the start of a momentum, in a model with `hamiltonian`. Returns () for a start of
@@ -166,7 +179,24 @@ class Dynamics(Checks):
         how = _DIRECTIONS[direction], statement.stop
         unit = self.shown_unit(statement.value, facts)
         shown = unit, statement.description, statement.span
-        self.parts["events"].append(m.Event(statement.name, value, *how, *shown, statement.limit))
+        then = [start for item in statement.then for start in self._after(item, statement.then)]
+        made = m.Event(statement.name, value, *how, *shown, statement.limit, tuple(then))
+        self.parts["events"].append(made)
+
+    def _after(self, item: st.StartItem, then: tuple[st.StartItem, ...]) -> tuple[m.Start, ...]:
+        """Checks a value after an event: of what moves, or of a memory cell."""
+        left, scope = item.left, Scope(PLACES["then"])
+        same = [x for x in then if x.order == item.order and x.function == item.function]
+        if [x.left.name for x in same if x.left.index is left.index].count(left.name) > 1:
+            self.error(f"'{left.name}' gets two values at once", item, "give it one")
+            return ()
+        entry = self.names.table.get(left.name)
+        if entry is None or entry.kind != "memory cell":
+            return self.start_item(item, scope) or ()
+        if item.order or left.index is not None or left.range is not None:
+            self.error("a memory cell has neither a rate nor an index", item)
+        value, _ = self.wanted(item.value, scope, as_is(left.name, entry.facts.dimension))
+        return (m.Start(left.name, None, None, 0, value, item.span),)
 
 
 def _step_of(value: Expr) -> Call | None:

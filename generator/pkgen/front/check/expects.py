@@ -8,7 +8,7 @@ from ... import model as m
 from ...tree import AXES, Call, Expr, Name, within
 from .. import statements as st
 from ..units import NONE, Dimension
-from .names import Facts
+from .names import EVENTS, Facts
 from .scope import PLACES, Scope
 from .settings import Settings
 from .vectors import component
@@ -78,7 +78,7 @@ class Expects(Settings):
             return None, ""
         table = self.names.table
         named = isinstance(at, Name) and at.index is None
-        if named and (at.id not in table or table[at.id].kind == "event") and at.id != "pi":
+        if named and (at.id not in table or table[at.id].kind in EVENTS) and at.id != "pi":
             return None, self.event(at, "expect")
         return self.time("at", at), ""
 

@@ -1,4 +1,4 @@
-"""Checks `force` and `torque`: along a coordinate, on a rotation, at a point, on a body.
+"""Checks `force`, `torque` and `noise`: along a coordinate, on a rotation, at a point, on a body.
 
 A force F at a point P gives the generalized forces Q = (dP'/dv)^T F, where v are the rates. For a
 torque in space the angular velocity stands in place of P'. Reference: D. Greenwood, Advanced
@@ -6,6 +6,8 @@ Dynamics, Cambridge 2003, section 2.1.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from ... import model as m
 from ...tree import Call, Expr, Multiply, Name, Prime
@@ -103,6 +105,51 @@ class Forces(Checks):
             name = left.name if left is not None and statement.place is not None else ""
             load = m.Load(name, index, range_, value, statement.span, velocity)
             self.parts["loads"].append(load)
+
+    def noise(self, statement: st.Force) -> None:
+        """Checks a noise: of a random force along a coordinate, or of three at a point."""
+        left, place, before = statement.left, statement.place, self.report.count
+        entry = None if left is None else self.names.table.get(left.name)
+        if place is None and entry is not None and entry.kind in _POINTS:
+            place = _named(left)
+        scope, velocity, of = Scope(PLACES["noise"]), None, self.energy_dimension
+        if place is None:
+            found = self.wanted_of(left, statement.value, "a noise", ("coordinate",), "noise")
+            if found is None:
+                return
+            entry, scope = found
+            per = entry.facts.dimension
+        else:
+            if left is not None:
+                scope, _ = self.left_scope(left, "noise")
+            velocity = Prime(place, place.span)
+            velocity, moved = self.checked(velocity, replace(scope, place=PLACES["force"]))
+            if moved.known and not moved.vector:
+                message = f"a noise acts at a point, a vector; {self.text(place)} is a number"
+                self.error(message, place, "write noise COORDINATE = S")
+            elif moved.known and not moved.rates:
+                self.error(f"{self.text(place)} does not move: it has no inertia", place)
+            elif moved.states or moved.inputs or moved.accelerations:
+                self.error("a noise acts at a point of coordinates, parameters and t", place)
+            per, of = moved.dimension, self.power_dimension
+        squared = None
+        if per is not None:
+            squared = units.times(units.power(units.over(of, per), 2), self.time_dimension)
+        label = self.text(place) if left is None else left.name
+        needs = "a vector of intensities" if place is not None else "an intensity"
+        text = f"the noise on {label} needs {needs} [{si_text(squared or NONE)}]"
+        check = self.wanted if place is None else self.wanted_vector
+        value, facts = check(statement.value, scope, Target(squared, text))
+        if facts.value is not None and facts.value < 0:
+            self.error("the intensity of a noise is at least 0", statement.value)
+        if facts.rates or facts.states or facts.inputs:
+            message = "the intensity of a noise has a rate, a state or an input in it"
+            self.error(message, statement.value, "it is of coordinates, parameters and t")
+        if self.report.count == before:
+            index, range_ = (None, None) if left is None else (left.index, left.range)
+            name = "" if place is not None else left.name
+            made = m.Noise(name, index, range_, value, statement.span, velocity, label)
+            self.parts["noises"].append(made)
 
     def _name(
         self, left: st.Left, power: Expr, parts: list[Facts], members: Members | None

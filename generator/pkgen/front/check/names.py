@@ -24,8 +24,9 @@ NO_INPUTS: dict[str, int] = {}
 _UNITS = frozenset(("kg", "cm", "mm", "km", "Hz", "Pa", "rad", "deg", "ohm", "N", "J", "W"))
 BUILT_IN = ("T", "V", "L", "energy")
 ROTATIONS = frozenset(("omega", "rot", "inverse", "euler", "tait_bryan"))
-NAMED = ("omega", "power", "error")  # functions of a name, whose calls are columns
-SPECIAL = ROTATIONS | {"sum", "drift", "time", "power", "error", "if", "integral"}
+NAMED = ("omega", "power", "error", "loss")  # functions of a name, whose calls are columns
+EVENTS = ("event", "contact")  # kinds of names that are events
+SPECIAL = ROTATIONS | {"sum", "drift", "time", "power", "error", "loss", "if", "integral"}
 
 
 def callable_names() -> frozenset[str]:
@@ -162,6 +163,8 @@ KIND_TEXT = {
     "state": "a state",
     "rotation": "a rotation",
     "constraint": "a constraint",
+    "contact": "a contact",
+    "mode": "a mode",
     "multiplier": "the multiplier of a constraint",
     "definition": "a definition",
     "table": "a table",

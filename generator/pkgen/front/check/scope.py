@@ -48,6 +48,7 @@ _OUTPUTS = _FOUND | {"output"}
 _IN_RUN = "numbers, sizes, constants and parameters"
 _IN_TIME = "numbers, sizes, constants, parameters and t"
 _BESIDE = "numbers, sizes, constants and earlier parameters"
+_STILL = "numbers, parameters, coordinates and t"
 _ALL, _NAMES = "all but outputs", "names of the motion"
 _OUTPUT = Place("an output", _FOUND, "all but other outputs", True, "", True)
 
@@ -68,10 +69,13 @@ PLACES: dict[str, Place] = {
     "energy": Place("an energy", _MOTION, _ALL, derivatives=True),
     "hamiltonian": Place("a Hamiltonian", _MOTION | {"built-in"}, "all but rates and outputs"),
     "force": Place("a force", _MOTION, _ALL, derivatives=True),
+    "noise": Place("a noise", _MOTION - {"input", "memory cell", "state"}, _STILL),
     "body": Place("a body", _PARAMETERS | {"definition"}, "numbers, constants and parameters"),
     "joint": Place("a joint", _DRIVEN, "numbers, constants, parameters and t", derivatives=True),
     "constraint": Place("a constraint", _MOTION, _ALL, derivatives=True),
+    "friction": Place("a friction", _MOTION | {"multiplier"}, _ALL, derivatives=True),
     "sample": Place("a sample block", _FOUND, "all but outputs", True, "", True),
+    "then": Place("a value after an event", _FOUND, "all but outputs", True, "", True),
     "rate": Place("a rate", _MOTION | {"built-in"}, _ALL, derivatives=True),
     "observe": _OUTPUT,
     "conserve": _OUTPUT,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ...indices import hidden
 from ...methods import known
 from ...system.near import meant
 from ...tree import Expr, Name
@@ -74,7 +75,8 @@ class Settings(Checks):
 
     def event(self, at: Expr, clause: str) -> str:
         """Returns the name of an event; "" after an error."""
-        events = {e.name for e in self.parts["events"]}
+        whole = [x for x in self.parts["contacts"] if x.range is None]
+        events = {e.name for e in (*self.parts["events"], *whole) if not hidden(e.name)}
         if isinstance(at, Name) and at.index is None and at.id in events:
             return at.id
         if isinstance(at, Name) and self.names.table.get(at.id) is None:

@@ -51,7 +51,8 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     coupled = mass_blocks(equations)
     influence = influences(equations, coupled)
     solvable = symmetric and n and untouched and not (jumping or equations.impulsive)
-    solvable = solvable and not equations.attitudes and bound is None
+    whole = not equations.model.struck
+    solvable = solvable and whole and not equations.attitudes and bound is None
     found = None
     if solvable:
         from .symmetries import symmetries  # a slow import
@@ -68,16 +69,18 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         affine_rates=of_v in (CONSTANT, VARYING),
         fast=separable and equations.fast is not None,
         autonomous=autonomous,
-        conservative=(_of_first_degree(equations) and autonomous and not jumping)
-        or (
-            n > 0
-            and unforced
-            and steady
-            and untouched
-            and not jumping
-            and (bound is None or bound.workless)
+        conservative=whole
+        and not jumping
+        and (
+            (_of_first_degree(equations) and autonomous)
+            or (n > 0 and unforced and steady and untouched and (bound is None or bound.workless))
         ),
-        variational=n > 0 and unforced and untouched and not equations.attitudes and bound is None,
+        variational=whole
+        and n > 0
+        and unforced
+        and untouched
+        and not equations.attitudes
+        and bound is None,
         smooth=smooth,
         switched=not smooth
         and bool(equations.switches)
@@ -155,7 +158,8 @@ def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple
     if open_ - acting:
         found = atoms(seen.normal, equations.lagrangian)
         acting |= {s.index for s in symbols_in(g, found, BIT[Kind.COORDINATE])} & open_
-    return tuple(i in free and i not in acting for i in range(n))
+    kept = () if equations.model.resetting or equations.model.noises else free - acting
+    return tuple(i in kept for i in range(n))
 
 
 def _smooth(equations: Equations) -> bool:

@@ -31,6 +31,7 @@ from ...graph.solve import (
 )
 from ..motion import RATES, Motion
 from ..quantities import symbols
+from .meet import met
 
 
 class CannotConstrain(Exception):
@@ -67,8 +68,13 @@ def constrain(
         raise CannotConstrain("M is not positive definite: constraints cannot be solved for")
     more = rows.redundant
     beside = tuple(_row(g, more, k, v) for k in range(len(more.residual))) if more else ()
-    multipliers, solution, pivots, shares = _solved(g, motion, factored, J, gamma, beside)
-    binding = [g.dot(column, multipliers) for column in zip(*J, strict=True)]
+    values: Row = ()
+    if rows.meetings:
+        multipliers, solution, pivots, binding, values = met(g, motion, factored, rows, J, gamma)
+        shares: Matrix = ()
+    else:
+        multipliers, solution, pivots, shares = _solved(g, motion, factored, J, gamma, beside)
+        binding = [g.dot(column, multipliers) for column in zip(*J, strict=True)]
     applied, pdot, force = (
         tuple(map(g.add, row, binding)) for row in (motion.applied, motion.pdot, motion.force)
     )
@@ -80,7 +86,8 @@ def constrain(
         free_applied=motion.applied,
         free_pdot=motion.pdot,
         free_force=motion.force,
-        workless=_workless(g, rows, J, v),
+        workless=not rows.meetings and _workless(g, rows, J, v),
+        values=values,
         redundant_rows=beside,
         least=_least(g, multipliers, shares),
         shared=_shared(shares, len(J)),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...equations import Constraints, Quantity, Rows
 from ...graph.graph import BIT, Kind
 from ...graph.normal import Normal
-from ...indices import multiplied, multipliers
+from ...indices import multiplied, multipliers, parted
 from ...source import Diagnostic, ModelError
 from ...tree import Expr, names
 from ..expand.expand import Expander
@@ -91,6 +91,9 @@ def define_multipliers(x: Expander, constraints: Constraints | None) -> None:
         for k, (q, node) in enumerate(zip(c.names, c.multipliers, strict=True))
         if k not in c.shared
     }
+    for item in (*x.model.contacts, *x.model.frictions):
+        name = multipliers(item.name)[0]
+        x.define(*parted(name), own[name])
     because = " and ".join(multiplied(q.name) for q in names[len(c.names) :])
     for item in x.model.constraints:
         for index, _ in x.unrolled(item.index, item.range):

@@ -13,7 +13,7 @@ from functools import partial
 from ... import limits
 from ...equations import Equations, Named, ParameterSlot, Quantity, Row
 from ...graph.differentiate import gradient
-from ...graph.graph import BIT, ZERO, Kind, Node
+from ...graph.graph import BIT, ONE, ZERO, Kind, Node
 from ...graph.solve import SingularMass, solve
 from ...graph.substitute import substituted
 from ...indices import of_made
@@ -37,11 +37,14 @@ from ..quantities import (
 from .constrain import CannotConstrain
 from .constraint_start import at_the_start
 from .constraints import cannot_constrain, define_multipliers, rows_of
+from .contacts import define_contacts, with_meetings, with_multipliers, without_latches
 from .first_degree import rates_of_first_degree
 from .first_order import define_built_in, rates_of_states
 from .impulses import check_rates
 from .lagrange import Derived, derived, located
 from .legendre import hamiltonian_of, lagrangian_of, rates_at_start
+from .noise import noise_of
+from .resets import resets_of
 from .samples import sampled
 
 
@@ -61,6 +64,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     of_first_degree: dict[int, Node] = {}
     if model.lagrangian and not model.coordinates:
         of_first_degree, energies = rates_of_first_degree(x, energies.lagrangian)
+    define_contacts(x)
     rates = rates_of_states(x, energies, of_first_degree)
     forces = tuple(substituted(x.graph, _generalized_forces(x), rates))
     parameters = tuple(slot for item in model.parameters for slot in _slots(x, item))
@@ -76,6 +80,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         states=quantities(model.states, x.states, "{}", "unit"),
     )
     declared_rows, left_out = rows_of(x)
+    declared_rows, latched = without_latches(x, declared_rows)
     rows, wrong = at_the_start(
         x.graph,
         declared_rows,
@@ -88,6 +93,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     )
     if wrong:
         raise ModelError(model.source, wrong)
+    rows = with_meetings(x, rows, latched)
     bodies = None
     if wanted.named(PARTICLES):
         from ..particles.masses import Given
@@ -118,6 +124,9 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
             model.span,
             "with states in the kinetic energy no more than some 20 coordinates can be coupled",
         )
+    if model.contacts and rates:  # losses are states whose rates have multipliers
+        rates = with_multipliers(x, found.constraints, rates)
+        found.fields["state_rates"] = tuple(rates.values())
     # A copy of the nodes whose time derivatives have been taken so far. The time derivatives in
     # outputs, which are taken below, need no check since outputs do not affect the motion.
     primes = x.primes[:]
@@ -133,12 +142,14 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         singularities=(),
         events=_events(x, found),
         **sampled(x, partial(_solved, x, found=found)),
+        resets=resets_of(x, partial(_solved, x, found=found)),
         start_q=start_q,
         start_v=start_v,
         state_start=state_start,
         particles=bodies,
         attitudes=x.attitudes,
         fast=_fast(x, energies.fast, found),
+        noise=noise_of(x, found),
         **found.fields,
     )
     return located(equations, wanted)
@@ -275,7 +286,12 @@ def _events(x: Expander, found: Derived) -> Row:
     nodes = []
     for item in x.model.events:
         with x.statement(item.span):
-            nodes.append(_solved(x, x.scalar(item.value), found, item.span))
+            node = _solved(x, x.scalar(item.value), found, item.span)
+            if item.mode:  # a number that does not cross 0 while it cannot happen
+                on, idle = (x.input(f"{item.mode}.{end}") for end in ("on", "idle"))
+                can = on if item.when else x.graph.subtract(ONE, x.graph.add(on, idle))
+                node = x.graph.call("select", can, node, x.graph.number(-item.direction or 1))
+            nodes.append(node)
     refuse_constant(x.model, x.graph, nodes)
     return tuple(nodes)
 

@@ -165,7 +165,8 @@ def with_impulses(
     switches, at whose zeros only L or a constraint jumps. Sets the field `impulse` of all switches
     with impulses. Raises ModelError if the motion after a jump is undefined."""
     c = e.constraints
-    rows = [] if c is None else [*c.positions, *c.residual, *(x for row in c.rows for x in row)]
+    always = _always(e)
+    rows = [x for k in always for x in (*c.positions[k : k + 1], c.residual[k], *c.rows[k])]
     jumping = [e.lagrangian, *e.momenta, *rows]
     if not (arguments := arguments_of(e.graph, jumping)):
         return known
@@ -174,9 +175,7 @@ def with_impulses(
         of_energy = counted[0] in arguments_of(e.graph, [e.lagrangian])
         of_row = [
             span
-            for node, span in (
-                () if of_energy or c is None else zip(c.residual, c.spans, strict=True)
-            )
+            for node, span in (() if of_energy else ((c.residual[k], c.spans[k]) for k in always))
             if counted[0] in arguments_of(e.graph, [node])
         ]
         raise _refused(e, f"L or a constraint jumps {where}", help, of_row)
@@ -204,6 +203,13 @@ def with_impulses(
     return (*marked, *(x for x in found.values() if x.impulse))
 
 
+def _always(e: Equations) -> list[int]:
+    """Returns the rows of constraints that always hold. Others jump as contacts do."""
+    c = e.constraints
+    at_times = {x.row for x in c.meetings} if c is not None else set()
+    return [k for k in range(len(c.residual) if c is not None else 0) if k not in at_times]
+
+
 def _where(g: Graph, argument: Node, name: Callable[[Symbol], str]) -> tuple[str, str]:
     """Returns the places at which functions of an argument jump, and what to write instead."""
     if not counts(g, argument):
@@ -227,7 +233,7 @@ def _kind(e: Equations, across: Across, argument: Node, text: str) -> int:
             f"L or a momentum jumps where {text} vanishes: what its rates do there is not defined",
             "a step or a sign of a rate may stand in a force or a dissipation, not in an energy",
         )
-    for k in range(len(c.residual) if c is not None else 0):
+    for k in _always(e):
         row, span = multiplied(c.names[k].name), c.spans[k]
         holonomic = k < c.holonomic
         at = f"where {text} vanishes"

@@ -63,7 +63,22 @@ def as_rates(
         # In solved form the kernel `canonical` has the rates v in place of p.
         own = lagrange.momenta, lagrange.pdot if c is None else c.free_pdot
         whole = replace(whole, unconstrained=own, inertia=lagrange.mass)
+    if c is not None and c.meetings:
+        whole = replace(whole, flight=_flight(whole))
     return whole, structure
+
+
+def _flight(e: Equations) -> Equations:
+    """Returns the equations while no contact, friction or latch holds, and nothing slips."""
+    c, g = e.constraints, e.graph
+    held = (x for m in c.meetings for x in (m.mode, m.side) if x is not None)
+    swap = dict.fromkeys(held, ZERO)
+
+    def there(row: Row | None) -> Row | None:
+        return row if row is None else tuple(substituted(g, row, swap))
+
+    fields = {name: there(getattr(e, name)) for name in ("acceleration", "force", "pdot", "events")}
+    return replace(e, **fields, constraints=replace(c, pivots=tuple(map(there, c.pivots))))
 
 
 def _extended(e: Equations, wanted: Wanted, solved: bool) -> tuple[Equations, Motion]:
@@ -111,6 +126,7 @@ def _extended(e: Equations, wanted: Wanted, solved: bool) -> tuple[Equations, Mo
         rows=wider(c.rows),
         residual=there(c.residual),
         multipliers=there(c.multipliers),
+        values=there(c.values),
         pivots=tuple(map(there, c.pivots)),
         redundant=more
         and replace(more, positions=there(more.positions), residual=there(more.residual)),
@@ -135,6 +151,8 @@ def _extended(e: Equations, wanted: Wanted, solved: bool) -> tuple[Equations, Mo
         switches=tuple(map(switch, e.switches)),
         marks=tuple(map(switch, e.marks)),
         **{x: there(getattr(e, x)) for x in ("observed", "conserved", "events", "sampled")},
+        resets=tuple(map(there, e.resets)),
+        noise=e.noise and replace(e.noise, accelerations=wider(e.noise.accelerations)),
         start_q=(*e.start_q, *none),
         start_v=(*e.start_v, *e.state_start),
         states=(),

@@ -247,8 +247,7 @@ class Names(ABC):
             family = self._member(self.parameters[name], index, expr.span)
             return self.graph.symbol(Symbol(Kind.PARAMETER, family.flat(index)))
         if name in self.inputs:
-            flat = input_index(self.orders, self.inputs[name])
-            return self.graph.symbol(Symbol(Kind.INPUT, flat))
+            return self.input(name)
         if (name, index) in self.refusals:
             message, help = self.refusals[name, index]
             raise error(self.model, message, expr.span, help)
@@ -260,6 +259,10 @@ class Names(ABC):
         if name in BUILT_IN:
             return self.graph.symbol(BUILT_IN[name])
         raise error(self.model, f"unknown name '{name}'", expr.span)
+
+    def input(self, name: str) -> Node:
+        flat = input_index(self.orders, self.inputs[name])
+        return self.graph.symbol(Symbol(Kind.INPUT, flat))
 
     def coordinate(self, name: str, index: int | None, span: Span) -> Node:
         """Returns the node of a coordinate or a state. For an index outside the family, returns the

@@ -30,6 +30,9 @@ _UNROLLED = {
     "tables": "the model has a table of data",
     "consistent": "the start is found by the constraints",
     "samples": "the model has a sample block",
+    "resetting": "an event gives values",
+    "meets": "the model has contacts, friction or latches",
+    "noises": "the model has noise",
     "loads": "a force acts at a point, or a torque in space",
 }
 

@@ -52,11 +52,13 @@ def reduce(
     equations = replace(equations, fast=None)
     state = State(equations, structure)
     for name, reduction in REDUCTIONS.items():
-        if name not in needs.off:
+        # A reset writes all coordinates, also those that influence nothing.
+        whole = equations.resets or equations.model.meets or equations.noise
+        if name not in needs.off and (name == "outputs" or not whole):
             state = reduction(state, needs)
     g, parts, lines = equations.graph, (), state.report.lines
     # A system with switches is not split, since the runtime locates switches in one system only.
-    if APART not in needs.off and needs.apart and state.structure.smooth:
+    if APART not in needs.off and needs.apart and state.structure.smooth and not equations.noise:
         parts = parts_of(state.equations, state.structure, of_a_part(kernels))
     if parts:
         names = (", ".join(q.name for q in part.equations.coordinates) for part in parts)
@@ -122,7 +124,7 @@ def _unread(
 ) -> Iterator[tuple[str, frozenset[str], ReportLine]]:
     """Yields a tuple for each kind of output, and for events, of which some items are dropped: the
     name of its field, the names of the others, a report line."""
-    asked = needs.events | {event.name for event in model.events if event.stop}
+    asked = needs.events | {event.name for event in model.events if event.acts}
     for field, what, wanted, why in (
         ("observed", "observed", columns, "not recorded, so not computed"),
         ("conserved", "conserved", columns, "proved, so not watched"),
