@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -31,7 +32,7 @@ MODELS = sorted((ROOT / "models").glob("*.lag"))
 HOSTED = [
     path
     for path in sorted((ROOT / "models").rglob("*.lag"))
-    if not {"sample", "noise"} & {*(x.partition(" ")[0] for x in path.read_text("utf-8").split("\n"))}
+    if not re.search("^(sample|noise) ", path.read_text(encoding="utf-8"), re.M)
 ]
 STRICT = [
     "-std=c99",
