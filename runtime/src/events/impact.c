@@ -327,7 +327,7 @@ enum pk_status pk_reactions(struct pk_actor *a, struct pk_integrator *it, struct
                          bound - pk_abs(p.x[i]) <= 10 * ROUND * bound;
         a->clings[k] = ties ? -100 * ROUND * bound * bound : 0;
         a->idle[k] = depends[i] && p.kind[i] != PK_OUT && p.kind[i] != PK_SLIP;
-        a->state[k] = p.state[i] == 1 && depends[i] ? 0 : p.state[i];
+        a->state[k] = (pk_real)(p.state[i] == 1 && depends[i] ? 0 : p.state[i]);
         if (all->table[k].kind == PK_FRICTION && p.of[i] < p.c && !(pk_complement_push(&p, i) > 0))
             a->state[k] = 0;
     }
