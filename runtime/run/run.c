@@ -41,6 +41,14 @@ static enum pk_run_code finish(struct pk_run *run, enum pk_run_code code)
     }
     if (trust_warning(run, reason, sizeof reason))
         run_say(run, "warning: %s", reason);
+    if (run->acts && isfinite((double)run->actor.order_t)) {
+        const struct pk_contact *table = run->bare.contacts.table;
+        run_say(run,
+                "warning: %s and %s strike at once at t = %.9g: what follows would differ if one "
+                "struck first",
+                table[(size_t)run->actor.order_of[0]].name,
+                table[(size_t)run->actor.order_of[1]].name, (double)run->actor.order_t);
+    }
     code = rows_told(run, code);
     if (run->interrupted && !run->control.slow) {
         run_say(run, "interrupted at t = %.17g", (double)run->it.t);

@@ -99,13 +99,9 @@ def test_a_program_has_the_seed_too(model: Path, tmp_path: Path) -> None:
     made = tmp_path / "program"
     ran("build", model, "-o", made)
     for seed in ("7", "0"):
-        rows = subprocess.run(
-            [made, *BAOAB, "--every", "0.15", "--seed", seed],
-            capture_output=True,
-            text=True,
-            check=True,
-        )
-        assert rows.stdout == out("run", model, *BAOAB, "--every", "0.15", "--seed", seed)
+        how = (*BAOAB, "--every", "0.15", "--seed", seed)
+        rows = subprocess.run([made, *how], capture_output=True, text=True, check=True)
+        assert rows.stdout == out("run", model, *how)
     assert subprocess.run([made, "--seed", "x"], check=False).returncode == 2
 
 
@@ -176,6 +172,13 @@ def test_a_scene_without_intensity_runs_by_any_method(model: Path) -> None:
     text = TEXT + "scene s\nset S = 0\nuntil 1\nmethod gauss rtol 1e-9\nrecord x\nend\n"
     model.write_text(text, encoding="utf-8")
     ran("run", model, "--scene", "s")
+
+
+def test_nothing_that_noise_moves_is_reduced(model: Path) -> None:
+    scene = "scene s\nuntil 5\nmethod heun step 0.1\nrecord y, y' every 1\nend\n"
+    model.write_text(TEXT.partition("event")[0] + scene, encoding="utf-8")
+    rows = out("run", model, "--scene", "s")
+    assert rows == out("run", model, "--scene", "s", "--no-reduce") != ""
 
 
 def test_the_word_is_a_name_elsewhere(tmp_path: Path) -> None:

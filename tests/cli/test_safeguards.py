@@ -48,9 +48,9 @@ def test_kernels_that_a_method_calls() -> None:
 
 def test_every_method_but_newtons_is_compiled_with_the_model() -> None:
     mine = [m for m in build.runtime_methods() if not m["name"].startswith("gsl_")]
-    # Newton's method, what takes `linear` or `fast` and steps on SO(3) go through function
+    # Newton's method, what takes `linear`, `fast` or noise and steps on SO(3) go through function
     # pointers; one that is exact evaluates nothing.
-    apart = {"jacobians", "linear", "exact", "group"}
+    apart = {"jacobians", "linear", "exact", "group", "noise"}
     others = {m["name"] for m in mine if apart & set(m["flags"]) or "fast" in m["requires"]}
     inlined = {name for name, method in METHODS.items() if method.inlined}
     assert inlined == {m["name"] for m in mine} - others and len(inlined) >= 8

@@ -77,7 +77,8 @@ def test_steps_are_those_of_the_formulas(tmp_path: Path, method: str) -> None:
             found[round(float(part), 9)] = step(q, v, t, part - t, drift, 0.4, noise, dw)
         (q, v), t, k = found[round(float(part), 9)], part, k + 1
     rows = np.array([found[round(float(t), 9)] for t in r.t])
-    assert pytest.approx(rows, rel=1e-12, abs=1e-12) == np.array([r["x"], r["x'"]]).T
+    arrived = np.array([r["x"], r["x'"]]).T
+    assert arrived == pytest.approx(rows, rel=1e-12, abs=1e-12)
     assert model.run(2.1, method=method, step=h, seed=seed + 1)["x"][-1] != r["x"][-1]
 
 

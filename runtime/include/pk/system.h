@@ -37,7 +37,7 @@ PK_BEGIN
  * of a system's struct, so the runtime checks PK_SYSTEM_HAS() before it reads a member that was
  * added after version 1. A system compiled for another scalar type does not link, since it refers
  * to the symbol PK_SCALAR of a library; a system loaded later is refused if its PK_ABI differs. */
-#define PK_ABI_VERSION 1u
+#define PK_ABI_VERSION 2u
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
 #define PK_ABI (4 * PK_ABI_VERSION + 1)

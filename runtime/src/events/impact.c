@@ -1,162 +1,15 @@
-/* Impulses at closed gaps, and which contacts and frictions hold: linear complementarity problems
- *
- *     y = A x + b,   A = J M^-1 J^T,
- *
- * where x are impulses and y rates, or x multipliers and y accelerations of the rows. A row that
- * always holds has y = 0. Of a contact, x >= 0, y >= 0 and x y = 0. Friction has y = 0 up to
- * |x| = S + s x_n, and beyond slips with x = -(F + f x_n) against the sign of y, where x_n is the
- * multiplier of its contact. Each pivot changes the state of the first row that is wrong. */
+/* Impulses at closed gaps, and which contacts and frictions hold: the linear complementarity
+ * problems of complement.h, where x are impulses and y rates, or x multipliers and y accelerations
+ * of the rows, and A = J M^-1 J^T. */
 #include <math.h>
 
 #include "act.h"
+#include "complement.h"
 
-enum kind { OUT, EQUAL, PUSH, RUB, SLIP };
-enum { PIVOTS = 1000, MOST_TRIED = 100000 };
-#define ROUND (PK_C(1e3) * PK_EPS)
+#define ROUND PK_COMPLEMENT_ROUND
 /* two orders of impacts agree if they differ by less than this fraction of the rates */
 #define AGREE PK_C(1e-8)
-
-struct problem {
-    size_t c;
-    const pk_real *A, *b;
-    pk_real *x, *B;
-    enum kind kind[PK_MOST_ROWS];
-    int state[PK_MOST_ROWS];                  /* 1: holds; 0: open; 2, -2: slips */
-    size_t of[PK_MOST_ROWS];                  /* row of the contact that bounds it, or c */
-    pk_real F[PK_MOST_ROWS], f[PK_MOST_ROWS]; /* bound while it slips */
-    pk_real S[PK_MOST_ROWS], s[PK_MOST_ROWS]; /* bound while it holds */
-    const pk_real *least;                     /* rounding error of each y */
-};
-
-static pk_real push(const struct problem *p, size_t row)
-{
-    return p->of[row] < p->c ? p->x[p->of[row]] : 0;
-}
-
-/* Solves for x by Gauss's elimination; an x that the rows do not determine is 0. */
-static void solve(const struct problem *p)
-{
-    const size_t c = p->c, n = c + 1;
-    pk_real *B = p->B;
-    size_t place[PK_MOST_ROWS];
-    for (size_t i = 0; i < c; i++) {
-        pk_real *row = B + i * n;
-        const int in = p->kind[i] != OUT && p->state[i] == 1;
-        const int slip = p->kind[i] >= RUB && (p->state[i] == 2 || p->state[i] == -2);
-        pk_zero(row, n);
-        if (in) {
-            pk_copy(row, p->A + i * c, c);
-            row[c] = -p->b[i];
-            continue;
-        }
-        const pk_real side = p->state[i] > 0 ? 1 : -1;
-        row[i] = 1;
-        row[c] = slip ? -side * p->F[i] : 0;
-        if (slip && p->of[i] < c)
-            row[p->of[i]] = side * p->f[i];
-    }
-    for (size_t k = 0; k < c; k++) { /* each row is divided by its largest entry */
-        const pk_real size = pk_largest(B + k * n, c);
-        for (size_t j = 0; j < n; j++)
-            B[k * n + j] /= size > 0 ? size : 1;
-    }
-    size_t used = 0;
-    for (size_t k = 0; k < c; k++) {
-        size_t best = used;
-        place[k] = c;
-        for (size_t i = used; i < c; i++)
-            if (pk_abs(B[i * n + k]) > pk_abs(B[best * n + k]))
-                best = i;
-        if (used == c || !(pk_abs(B[best * n + k]) > ROUND))
-            continue;
-        for (size_t j = 0; j < n; j++) {
-            const pk_real swap = B[used * n + j];
-            B[used * n + j] = B[best * n + j];
-            B[best * n + j] = swap;
-        }
-        for (size_t i = 0; i < c; i++)
-            if (i != used)
-                pk_add(B + i * n, -B[i * n + k] / B[used * n + k], B + used * n, n);
-        place[k] = used++;
-    }
-    for (size_t k = 0; k < c; k++)
-        p->x[k] = place[k] < c ? B[place[k] * n + c] / B[place[k] * n + k] : 0;
-}
-
-static pk_real result(const struct problem *p, size_t i, pk_real *size)
-{
-    pk_real sum = p->b[i];
-    *size = pk_abs(sum);
-    for (size_t j = 0; j < p->c; j++) {
-        sum += p->A[i * p->c + j] * p->x[j];
-        *size += pk_abs(p->A[i * p->c + j] * p->x[j]);
-    }
-    return sum;
-}
-
-/* Changes the state of row i if it is wrong, and returns whether it was. */
-static int turn(struct problem *p, size_t i, pk_real round)
-{
-    pk_real size;
-    const pk_real y = result(p, i, &size), x = p->x[i];
-    const pk_real bound = p->S[i] + p->s[i] * push(p, i);
-    const pk_real least = ROUND * size + p->least[i];
-    const int was = p->state[i];
-    round += p->least[i] / p->A[i * p->c + i];
-    if (p->kind[i] == PUSH && was == 1 && x < -round)
-        p->state[i] = 0;
-    else if (p->kind[i] == PUSH && was == 0 && y < -least)
-        p->state[i] = 1;
-    else if (p->kind[i] == RUB && was == 1 && pk_abs(x) > bound + round)
-        p->state[i] = x > 0 ? -2 : 2;
-    else if (p->kind[i] == RUB && was != 1 && (was > 0 ? -y : y) > least)
-        p->state[i] = 1;
-    return p->state[i] != was;
-}
-
-/* Solves for x, and changes the state of the first row that is wrong. Returns whether none was. */
-static int pivot(struct problem *p)
-{
-    size_t i = 0;
-    solve(p);
-    const pk_real round = ROUND * pk_largest(p->x, p->c);
-    while (i < p->c && !turn(p, i, round))
-        i++;
-    return i == p->c;
-}
-
-/* Tries all states, those that hold first. */
-static int search(struct problem *p)
-{
-    unsigned long all = 1;
-    for (size_t i = 0; i < p->c; i++) {
-        all *= p->kind[i] == PUSH ? 2 : p->kind[i] == RUB ? 3 : 1;
-        if (all > MOST_TRIED)
-            return 0;
-    }
-    for (unsigned long number = 0; number < all; number++) {
-        unsigned long rest = number;
-        for (size_t i = 0; i < p->c; i++) {
-            static const int ways[] = {1, 2, -2};
-            if (p->kind[i] == PUSH)
-                p->state[i] = rest % 2 == 0, rest /= 2;
-            else if (p->kind[i] == RUB)
-                p->state[i] = ways[rest % 3], rest /= 3;
-        }
-        if (pivot(p))
-            return 1;
-    }
-    return 0;
-}
-
-/* Returns whether a solution is found. Pivots may go round where rows depend on each other. */
-static int complement(struct problem *p)
-{
-    for (int count = 0; count < PIVOTS; count++)
-        if (pivot(p))
-            return 1;
-    return search(p);
-}
+enum { BLOWS = 200 }; /* the most of a sequence of single impacts */
 
 /* Computes the rounding errors of rows: relative to their terms, and to the largest numbers of the
  * motion so far, since what is at rest has no size of its own. */
@@ -213,21 +66,21 @@ enum pk_status pk_act_rows(struct pk_actor *a, struct pk_integrator *it, struct 
         const int contact = all->table[k].kind == PK_CONTACT;
         for (size_t i = 0; i < 4; i++)
             if (bounds[i] < 0 || (contact && bounds[i] > 1))
-                return pk_fail_with(it, PK_NO_CONTACT,
-                                    PK_WHY(.kind = contact ? 2 : 3, .index = k, .value = bounds[i],
-                                           .time = it->t));
+                return pk_fail_with(
+                    it, PK_NO_CONTACT,
+                    PK_WHY(.kind = contact ? 2 : 3, .index = k, .value = bounds[i], .time = it->t));
     }
     return PK_DONE;
 }
 
-static struct problem problem_of(struct pk_actor *a, const struct rows *r)
+static struct pk_complement problem_of(struct pk_actor *a, const struct rows *r)
 {
-    struct problem p = {
+    struct pk_complement p = {
         .c = r->w.c, .A = a->A, .b = a->b, .x = a->x, .B = a->B, .least = r->of_acceleration};
     const struct pk_part_contacts *all = &a->system->contacts;
     for (size_t i = 0; i < p.c; i++) {
         const size_t k = r->of[i];
-        p.kind[i] = k == all->n ? EQUAL : OUT;
+        p.kind[i] = k == all->n ? PK_EQUAL : PK_OUT;
         p.state[i] = k == all->n;
         p.of[i] = p.c;
         if (k < all->n && all->table[k].of < all->n)
@@ -277,7 +130,7 @@ static void apply(struct pk_actor *a, struct rows *r, const pk_real *x, pk_real 
 static int impulses(struct pk_actor *a, const struct rows *r, const pk_real *rate, pk_real *x)
 {
     const struct pk_part_contacts *all = &a->system->contacts;
-    struct problem p = problem_of(a, r);
+    struct pk_complement p = problem_of(a, r);
     pk_real first[PK_MOST_ROWS];
     p.least = r->of_rate;
     int expands = 0;
@@ -290,26 +143,26 @@ static int impulses(struct pk_actor *a, const struct rows *r, const pk_real *rat
         p.F[i] = p.S[i] = 0; /* finite forces give no impulse */
         p.s[i] = p.f[i];
         if (of && of->kind == PK_CONTACT && a->touches[k] > 0) {
-            p.kind[i] = PUSH;
+            p.kind[i] = PK_PUSH;
             a->b[i] += poisson ? 0 : restitution * pk_min(rate[i], 0);
             p.state[i] = a->b[i] < 0;
             expands |= poisson && restitution > 0;
         } else if (of && of->kind == PK_FRICTION && of->of < all->n && a->touches[of->of] > 0) {
-            p.kind[i] = RUB;
+            p.kind[i] = PK_RUB;
             p.state[i] = 1;
         } else if (of && of->kind == PK_LATCH && a->u[of->mode] > 0) {
-            p.kind[i] = EQUAL;
+            p.kind[i] = PK_EQUAL;
             p.state[i] = 1;
         }
     }
-    if (!complement(&p))
+    if (!pk_complement(&p))
         return 0;
     pk_copy(x, a->x, p.c);
     if (!expands)
         return 1;
     for (size_t i = 0; i < p.c; i++) { /* Poisson: impulses of compression come back, e-fold */
         const size_t k = r->of[i];
-        const int back = p.kind[i] == PUSH && all->table[k].flag;
+        const int back = p.kind[i] == PK_PUSH && all->table[k].flag;
         first[i] = back ? a->values[5 * k + 1] * x[i] : 0;
     }
     for (size_t i = 0; i < p.c; i++) {
@@ -317,13 +170,72 @@ static int impulses(struct pk_actor *a, const struct rows *r, const pk_real *rat
         for (size_t j = 0; j < p.c; j++)
             a->b[i] += a->A[i * p.c + j] * (x[j] + first[j]);
         p.F[i] = p.S[i] = p.of[i] < p.c ? p.f[i] * first[p.of[i]] : 0;
-        p.state[i] = p.kind[i] == PUSH ? a->b[i] < 0 : p.kind[i] != OUT;
+        p.state[i] = p.kind[i] == PK_PUSH ? a->b[i] < 0 : p.kind[i] != PK_OUT;
     }
-    if (!complement(&p))
+    if (!pk_complement(&p))
         return 0;
     for (size_t i = 0; i < p.c; i++)
         x[i] += first[i] + a->x[i];
     return 1;
+}
+
+/* Computes the sum of the impulses if contacts strike one after the other, the first or the last of
+ * the contacts `which` first. Returns 0 if they do not come to an end. */
+static int one_by_one(struct pk_actor *a, const struct rows *r, const size_t *which, size_t count,
+                      int first, pk_real *sum)
+{
+    pk_real x[PK_MOST_ROWS], rate[PK_MOST_ROWS];
+    const size_t c = r->w.c;
+    pk_zero(sum, c);
+    for (int blow = 0; blow < BLOWS; blow++) {
+        size_t next = count;
+        for (size_t i = 0; i < c; i++)
+            rate[i] = r->w.rate[i] + pk_dot(a->A + i * c, sum, c);
+        for (size_t n = 0; n < count && next == count; n++) {
+            const size_t k = first ? n : count - 1 - n,
+                         row = a->system->contacts.table[which[k]].row;
+            next = rate[row] < -r->of_rate[row] ? k : count;
+        }
+        if (next == count)
+            return 1;
+        for (size_t n = 0; n < count; n++)
+            a->touches[which[n]] = n == next;
+        const int found = impulses(a, r, rate, x);
+        for (size_t n = 0; n < count; n++)
+            a->touches[which[n]] = 1;
+        if (!found)
+            return 0;
+        pk_add(sum, 1, x, c);
+    }
+    return 0;
+}
+
+/* Notes the first impact of several contacts that leaves other rates if they strike one after the
+ * other, in either order. */
+static void order(struct pk_actor *a, const struct pk_integrator *it, const struct rows *r,
+                  const pk_real *x)
+{
+    const struct pk_part_contacts *all = &a->system->contacts;
+    pk_real sums[2][PK_MOST_ROWS], apart = 0, size = 0;
+    size_t which[PK_MOST_ROWS], count = 0;
+    for (size_t k = 0; k < all->n; k++)
+        if (all->table[k].kind == PK_CONTACT && a->touches[k] > 0 && x[all->table[k].row] > 0)
+            which[count++] = k;
+    if (count < 2 || pk_finite(a->order_t) || !one_by_one(a, r, which, count, 1, sums[0]) ||
+        !one_by_one(a, r, which, count, 0, sums[1]))
+        return;
+    for (size_t i = 0; i < r->w.c; i++) {
+        const pk_real *row = a->A + i * r->w.c;
+        const pk_real at_once = pk_dot(row, x, r->w.c);
+        for (int way = 0; way < 2; way++)
+            apart = pk_max(apart, pk_abs(pk_dot(row, sums[way], r->w.c) - at_once));
+        size = pk_max(size, pk_abs(r->w.rate[i]));
+    }
+    if (apart <= AGREE * size)
+        return;
+    a->order_t = it->t;
+    a->order_of[0] = (pk_real)which[0];
+    a->order_of[1] = (pk_real)which[1];
 }
 
 enum pk_status pk_impact(struct pk_actor *a, struct pk_integrator *it, struct rows *r)
@@ -331,20 +243,21 @@ enum pk_status pk_impact(struct pk_actor *a, struct pk_integrator *it, struct ro
     pk_real x[PK_MOST_ROWS];
     if (!impulses(a, r, r->w.rate, x))
         return pk_fail_with(it, PK_NO_CONTACT, PK_WHY(.kind = 1, .time = it->t));
+    order(a, it, r, x);
     apply(a, r, x, it->t);
     return PK_DONE;
 }
 
 /* Marks the rows that are linear combinations of rows that hold: they stay at 0 without a force, or
  * with the force of a slip. */
-static void depend(const struct problem *p, int *depends)
+static void depend(const struct pk_complement *p, int *depends)
 {
     const pk_real least = PK_C(1e-9);
     size_t held[PK_MOST_ROWS], count = 0;
     pk_real d[PK_MOST_ROWS], *L = p->B;
     for (int holds = 1; holds >= 0; holds--)
         for (size_t i = 0; i < p->c; i++) {
-            if ((p->state[i] == 1 && p->kind[i] != OUT) != holds)
+            if ((p->state[i] == 1 && p->kind[i] != PK_OUT) != holds)
                 continue;
             pk_real left = p->A[i * p->c + i];
             for (size_t k = 0; k < count; k++) {
@@ -365,7 +278,7 @@ static void depend(const struct problem *p, int *depends)
 enum pk_status pk_reactions(struct pk_actor *a, struct pk_integrator *it, struct rows *r)
 {
     const struct pk_part_contacts *all = &a->system->contacts;
-    struct problem p = problem_of(a, r);
+    struct pk_complement p = problem_of(a, r);
     for (size_t i = 0; i < p.c; i++) {
         const size_t k = r->of[i];
         a->b[i] = 0;
@@ -375,47 +288,47 @@ enum pk_status pk_reactions(struct pk_actor *a, struct pk_integrator *it, struct
         const enum pk_contact_kind kind = all->table[k].kind;
         a->b[i] = a->values[5 * k];
         if (kind == PK_LATCH)
-            p.kind[i] = a->u[all->table[k].mode] > 0 ? EQUAL : OUT;
+            p.kind[i] = a->u[all->table[k].mode] > 0 ? PK_EQUAL : PK_OUT;
         else if (kind == PK_CONTACT)
-            p.kind[i] = holds ? PUSH : OUT;
+            p.kind[i] = holds ? PK_PUSH : PK_OUT;
         else if (all->table[k].of < all->n && !(a->state[all->table[k].of] > 0))
-            p.kind[i] = OUT; /* its contact is open */
+            p.kind[i] = PK_OUT; /* its contact is open */
         else
-            p.kind[i] = holds ? RUB : SLIP;
-        p.state[i] = p.kind[i] == EQUAL ? 1 : state;
+            p.kind[i] = holds ? PK_RUB : PK_SLIP;
+        p.state[i] = p.kind[i] == PK_EQUAL ? 1 : state;
     }
-    int found = complement(&p), ends = 0;
+    int found = pk_complement(&p), ends = 0;
     for (size_t i = 0; i < p.c && found; i++) { /* a row whose force reached its bound lets go */
         const size_t k = r->of[i];
         const pk_real nothing = 10 * r->of_acceleration[i] / p.A[i * p.c + i];
         const int over =
             k < all->n && p.state[i] == 1 &&
             ((all->table[k].open < a->system->events.n && a->happened[all->table[k].open] > 0) ||
-             (p.kind[i] == PUSH && p.x[i] <= nothing));
-        if (over && p.kind[i] == PUSH)
+             (p.kind[i] == PK_PUSH && p.x[i] <= nothing));
+        if (over && p.kind[i] == PK_PUSH)
             p.state[i] = 0, ends = 1;
-        else if (over && p.kind[i] == RUB)
+        else if (over && p.kind[i] == PK_RUB)
             p.state[i] = p.x[i] > 0 ? -2 : 2, ends = 1;
     }
-    if (!found || (ends && !complement(&p)))
+    if (!found || (ends && !pk_complement(&p)))
         return pk_fail_with(it, PK_NO_CONTACT, PK_WHY(.time = it->t));
     int depends[PK_MOST_ROWS];
     depend(&p, depends);
     for (size_t i = 0; i < p.c; i++) {
         const size_t k = r->of[i];
         pk_real size;
-        r->acceleration[i] = result(&p, i, &size);
+        r->acceleration[i] = pk_complement_result(&p, i, &size);
         if (k == all->n)
             continue;
         /* a gap, or a slip, that begins at rest is less than its rounding for a while */
-        a->floats[k] = p.kind[i] != OUT && p.kind[i] != SLIP && p.state[i] != 1;
-        const pk_real bound = p.S[i] + p.s[i] * push(&p, i);
-        const int ties = p.kind[i] == RUB && p.state[i] == 1 &&
+        a->floats[k] = p.kind[i] != PK_OUT && p.kind[i] != PK_SLIP && p.state[i] != 1;
+        const pk_real bound = p.S[i] + p.s[i] * pk_complement_push(&p, i);
+        const int ties = p.kind[i] == PK_RUB && p.state[i] == 1 &&
                          bound - pk_abs(p.x[i]) <= 10 * ROUND * bound;
         a->clings[k] = ties ? -100 * ROUND * bound * bound : 0;
-        a->idle[k] = depends[i] && p.kind[i] != OUT && p.kind[i] != SLIP;
-        a->state[k] = p.state[i] == 1 && depends[i] ? 0 : p.state[i];
-        if (all->table[k].kind == PK_FRICTION && p.of[i] < p.c && !(push(&p, i) > 0))
+        a->idle[k] = depends[i] && p.kind[i] != PK_OUT && p.kind[i] != PK_SLIP;
+        a->state[k] = (pk_real)(p.state[i] == 1 && depends[i] ? 0 : p.state[i]);
+        if (all->table[k].kind == PK_FRICTION && p.of[i] < p.c && !(pk_complement_push(&p, i) > 0))
             a->state[k] = 0;
     }
     return PK_DONE;

@@ -1,0 +1,47 @@
+"""What commands say of contacts; tests/runs/test_contacts_random.py has their motions."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from conftest import ROOT
+
+CONTACT = ROOT / "models" / "contact"
+BALL = CONTACT / "bouncing_ball.lag"
+CRADLE = CONTACT / "newton_cradle.lag"
+
+
+def test_a_ball_comes_to_rest_at_its_time(pkgen, tmp_path: Path) -> None:
+    done = pkgen("run", BALL, "--until", 6, "--json", "-o", tmp_path / "rows.csv")
+    (floor,) = json.loads(done.stdout)["report"]["contacts"]
+    assert floor["rests"] == pytest.approx(2 * 5 / 9.81 / (1 - 0.8), rel=1e-9)
+    assert floor["lost"] == pytest.approx(12.5, rel=1e-12) and floor["impacts"] > 60
+    done = pkgen("run", BALL, "--until", 6, "--every", 6)
+    assert "contact floor: at rest from t = 5.09683996 on" in done.stderr
+
+
+def test_an_order_that_counts_is_told(pkgen) -> None:
+    touching = pkgen("run", CRADLE, "--scene", "touching").stderr
+    assert "warning: hit[1] and hit[2] strike at once at t = 0.274691993" in touching
+    assert "strike at once" not in pkgen("run", CRADLE, "--scene", "apart").stderr
+
+
+@pytest.mark.parametrize("method", ["gauss", "dop853", "radau"])
+def test_no_pin_is_overlooked(method: str, pkgen) -> None:
+    """One sample alone of a long step was behind the last pin, which the ball passed through."""
+    board = CONTACT / "galton_board.lag"
+    done = pkgen("run", board, "--scene", "falls", "--method", method, "--rtol", "1e-11")
+    assert "expected: 2 of 2 met" in done.stderr
+
+
+def test_what_cannot_be_is_said(pkgen) -> None:
+    below = pkgen("run", BALL, "--start", "y=-1", "--until", 1)
+    assert below.returncode == 4
+    assert "a contact begins violated: floor is -1" in below.stderr
+    rattle = pkgen("run", BALL, "--method", "rattle", "--step", 0.01)
+    assert "rattle takes no constraints that hold at times, such as the contact floor" in rattle.stderr
+    for words in (["show", BALL, "-o", "x.html"], ["stability", BALL]):
+        assert f"pkgen {words[0]} knows no contacts" in pkgen(*words).stderr
