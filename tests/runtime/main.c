@@ -220,8 +220,9 @@ TEST("generic or inlined")
         fixture_set(&f, &oscillator_system);
         f.options.h = 0.1;
         CU_ASSERT(fixture_init(&f, method->name) == PK_DONE);
-        const int calls = /* Newton's method, `linear`, `fast`, coefficients through pointers */
-            (method->traits & (PK_LINEAR | PK_JACOBIANS | PK_EXACT | PK_GROUP)) != 0 ||
+        const int
+            calls = /* Newton's method, `linear`, `fast`, coefficients, noise: through pointers */
+            (method->traits & (PK_LINEAR | PK_JACOBIANS | PK_EXACT | PK_GROUP | PK_NOISE)) != 0 ||
             (method->needs & PK_FAST) != 0;
         CU_ASSERT((f.it.own->step != method->step) == (inlined && !calls));
     }
