@@ -43,5 +43,4 @@ def test_what_cannot_be_is_said(pkgen) -> None:
     assert "a contact begins violated: floor is -1" in below.stderr
     rattle = pkgen("run", BALL, "--method", "rattle", "--step", 0.01)
     assert "rattle takes no constraints that hold at times, such as the contact floor" in rattle.stderr
-    for words in (["show", BALL, "-o", "x.html"], ["stability", BALL]):
-        assert f"pkgen {words[0]} knows no contacts" in pkgen(*words).stderr
+    assert "pkgen stability knows no contacts" in pkgen("stability", BALL).stderr
