@@ -62,7 +62,7 @@ class Contacts(Settings):
         if self.names.declare(Entry(left.name, "contact", facts, place, members, used=True)):
             name = multipliers(left.name)[0]
             self.names.declare(Entry(name, "multiplier", multiplier, place, members))
-        for name in self._members(left):
+        for name in self._members(left, members):
             rubs = f"{name}.rub" if statement.mu is not None else ""
             self._loses(name, f"{name}.lost", rubs, left.span)
         given = gap, restitution, mu, along, statement.poisson, unit
@@ -106,11 +106,13 @@ class Contacts(Settings):
         known = dimension is not None
         return Facts(per, united=True, known=known, coordinates=everything, rates=everything)
 
-    def _members(self, left: st.Left) -> list[str]:
-        ends = self.members_of(left) if left.range or left.index else None
-        if ends is None:
+    @staticmethod
+    def _members(left: st.Left, members: Members | None) -> list[str]:
+        """Returns the names of the members of a family, as many as may be contacts."""
+        if members is None:
             return [left.name]
-        return [indexed(left.name, i) for i in range(ends[0], ends[1] + 1)]
+        ends = ((lo, min(hi, lo + MOST)) for lo, hi in members.intervals)
+        return [indexed(left.name, i) for lo, hi in ends for i in range(lo, hi + 1)]
 
     def _loses(self, name: str, cell: str, friction: str, at: Span) -> None:
         """Makes loss(NAME) known: the sum of an input and of the state of a friction."""
@@ -123,7 +125,7 @@ class Contacts(Settings):
 
     def friction(self, statement: st.Friction) -> None:
         left = statement.left
-        scope, _ = self.left_scope(left, "friction")
+        scope, members = self.left_scope(left, "friction")
         entry = self.named(left, "a friction", _SLIPS)
         if entry is None:
             return
@@ -146,10 +148,9 @@ class Contacts(Settings):
             message = "static friction is less than the friction of what slips"
             self.error(message, statement.static, "it holds up to static, and then slips with less")
         multiplier = self._unit_of(self.power_dimension, facts.dimension)
-        members = Members(self.members_of(left)) if left.range or left.index else None
         name = multipliers(left.name)[0]
         self.names.declare(Entry(name, "multiplier", multiplier, name_span(left), members))
-        for each in self._members(left):
+        for each in self._members(left, members):
             self._loses(each, "", each, left.span)
         given = slip, value, static, si_text(wanted or NONE)
         said = statement.description, statement.span
@@ -182,6 +183,10 @@ class Contacts(Settings):
         """Writes families out, and adds what contacts, frictions and modes stand for: inputs that
         say which rows hold, and the events at which that changes. Names of what only the runtime
         reads begin with a digit."""
+        for item in (*self.parts["contacts"], *self.parts["frictions"]):
+            ends = self.members_of(item) if item.range else None
+            if ends is not None and ends[1] - ends[0] >= MOST:
+                self._too_many(ends[1] - ends[0] + 1, item)
         if self.report.errors:
             return
         contacts = [*self._each("contacts", ("gap", "restitution", "mu", "along"))]
@@ -216,9 +221,12 @@ class Contacts(Settings):
         self.parts["contacts"], self.parts["frictions"] = contacts, frictions
         count = len(contacts) + len(frictions) + len(self.parts["constraints"])
         if contacts + frictions and count > MOST:
-            message = f"{count} contacts, frictions and constraints; the limit is {MOST}"
-            help = "one contact may be with the nearest of many: min(a, b, c) >= 0"
-            self.error(message, (contacts + frictions)[-1], help)
+            self._too_many(count, (contacts + frictions)[-1])
+
+    def _too_many(self, count: int, item: Meeting) -> None:
+        message = f"{count:,} contacts, frictions and constraints; the limit is {MOST}"
+        help = "one contact may be with the nearest of many: min(a, b, c) >= 0"
+        self.error(message, item, help)
 
     def _each(self, kind: str, exprs: tuple[str, ...]) -> Iterator[Meeting]:
         """Yields the statements of a kind, a family member by member."""
