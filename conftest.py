@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -20,6 +19,7 @@ from pathlib import Path
 import durations
 import pytest
 
+from bench.exports import hosted
 from pkgen.run import build
 from pkgen.system import addons, toolchain
 from pkgen.system.exits import BuildError
@@ -28,12 +28,7 @@ ROOT = Path(__file__).resolve().parent
 os.environ.setdefault("PKGEN_SEEDS_DATE", date.today().isoformat())  # workers have it too
 PAGES = sorted([ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("addons/*/*.md")])
 MODELS = sorted((ROOT / "models").glob("*.lag"))
-# Models that live pages and other hosts run: they refuse sample blocks and noise.
-HOSTED = [
-    path
-    for path in sorted((ROOT / "models").rglob("*.lag"))
-    if not re.search(r"^(sample|noise|contact|impact|friction) ", path.read_text("utf-8"), re.M)
-]
+HOSTED = hosted()
 STRICT = [
     "-std=c99",
     "-Wall",

@@ -42,10 +42,12 @@ Found = dict[str, dict[str, dict]]  # model, host
 OVER_KNOTS = 1e-3
 
 
-def _models() -> list[Path]:
-    """All models but those with a sample block, which no host runs."""
+def hosted() -> list[Path]:
+    """Returns the models of the collection that live pages and other hosts run: these refuse
+    sample blocks, contacts and noise."""
+    refused = re.compile(r"^(sample|noise|contact|impact|friction|mode) ", re.MULTILINE)
     every = sorted((ROOT / "models").rglob("*.lag"), key=lambda path: path.stem)
-    return [path for path in every if "\nsample " not in path.read_text(encoding="utf-8")]
+    return [path for path in every if not refused.search(path.read_text(encoding="utf-8"))]
 
 
 def main(words: list[str]) -> int:
@@ -57,7 +59,7 @@ def main(words: list[str]) -> int:
     options = parser.parse_args(words)
     kept = OUTPUT / "exports.json"
     found: Found = json.loads(kept.read_text()) if kept.exists() else {}
-    paths = _models()
+    paths = hosted()
     for model, row in _read().items():
         if any(path.stem == model for path in paths):
             found[model] = row | found.get(model, {})
@@ -179,7 +181,7 @@ def _write(found: Found) -> None:
 
 
 def _by_host(found: Found) -> str:
-    rows, models = [], len(_models())
+    rows, models = [], len(hosted())
     for name, host in HOSTS.items():
         all_ = [of[name] for of in found.values() if name in of]
         good = [row for row in all_ if "off" in row]

@@ -163,7 +163,7 @@ class Motion:
     # accelerations and multipliers
 
     def solve(self, p: dict, equal: list[int], slides: dict[int, int]) -> tuple:
-        """Returns accelerations and multipliers with the rows `equal` held, and slips that slide."""
+        """Returns accelerations and multipliers where rows `equal` hold and others slide."""
         J, h = p["J"], p["h"].copy()
         along = {r: J[r].copy() for r in equal}
         for row, side in slides.items():
@@ -189,7 +189,7 @@ class Motion:
         return free + W @ lam, dict(zip(equal, lam, strict=True)), deficient
 
     def settle(self, t: float, s: np.ndarray, touching: set[int], forced: dict[int, int]) -> None:
-        """Finds which contacts stay closed and which slips stick; `forced` are those that let go."""
+        """Finds which contacts stay closed and which slips stick; `forced` ones let go."""
         p = self.at(t, s)
         rate = p["rate"]
         closed, fixed_slips, free_slips = [], {}, []

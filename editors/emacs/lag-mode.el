@@ -21,9 +21,9 @@
     (and (not (bolp)) (looking-back "[])'[:alnum:]_]" (1- (point))))))
 
 (defun lag--part (limit)
-  "Find a word of a drawing, a body or a joint before LIMIT."
+  "Find a word that stands behind a value before LIMIT."
   (let (found)
-    (while (and (not found) (re-search-forward (lag--words "at" "box" "coord" "cylinder" "disk" "ellipsoid" "fixed" "free" "from" "in" "inertia" "lasting" "limits" "mass" "planar" "prismatic" "radius" "revolute" "scale" "spherical" "to" "top" "turned" "turns" "width") limit t))
+    (while (and (not found) (re-search-forward (lag--words "along" "at" "box" "coord" "cylinder" "delay" "disk" "ellipsoid" "fixed" "free" "friction" "from" "in" "inertia" "lasting" "limits" "mass" "off" "offset" "on" "planar" "poisson" "prismatic" "radius" "restitution" "revolute" "scale" "spherical" "static" "then" "to" "top" "turned" "turns" "width" "with") limit t))
       (setq found (save-match-data
                     (and (zerop (car (save-excursion (syntax-ppss))))
                          (lag--value-end (match-beginning 0))))))
@@ -64,7 +64,7 @@
     (,(concat "^[ \t]*" (lag--words "draw" "view") "\\(?:[ \t]+" (lag--words "arrow" "bob" "body" "circle" "curve" "ground" "level" "line" "plane" "rod" "space" "spring" "trail") "\\)?")
      (1 'font-lock-keyword-face) (2 'font-lock-type-face nil t)
      (lag--part (lag--end) nil (1 'font-lock-builtin-face)))
-    (,(concat "^[ \t]*" (lag--words "body" "joint"))
+    (,(concat "^[ \t]*" (lag--words "body" "contact" "event" "friction" "impact" "joint" "mode" "sample") "[ \t]+[[:alpha:]_]")
      (1 'font-lock-keyword-face)
      (lag--part (lag--end) nil (1 'font-lock-builtin-face)))
     ("\"[^\"\n]*\"" (0 'font-lock-string-face))

@@ -292,7 +292,10 @@ def spins(d: Draft) -> None:
     d.kinetic.append(f"{m}*(x'^2 + y'^2 + z'^2)/2 + ({A}*w.x^2 + {B}*w.y^2 + {C}*w.z^2)/2")
     d.potential.append(f"{m}*{g}*z")
     for a, _ in rows:
-        rz = f"(2*(Q1*Q3 - Q0*Q2)*({a[0]}) + 2*(Q2*Q3 + Q0*Q1)*({a[1]}) + (Q0^2 - Q1^2 - Q2^2 + Q3^2)*({a[2]}))"
+        rz = (
+            f"(2*(Q1*Q3 - Q0*Q2)*({a[0]}) + 2*(Q2*Q3 + Q0*Q1)*({a[1]})"
+            f" + (Q0^2 - Q1^2 - Q2^2 + Q3^2)*({a[2]}))"
+        )
         d.contact(f"z + (R*[{a[0]}, {a[1]}, {a[2]}]).z", "", f"z + {rz}")
     s.coordinates = ["x", "y", "z", "Q0", "Q1", "Q2", "Q3"]
     s.rates = ["x'", "y'", "z'", "w1", "w2", "w3"]

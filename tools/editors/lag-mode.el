@@ -21,7 +21,7 @@
     (and (not (bolp)) (looking-back "[])'[:alnum:]_]" (1- (point))))))
 
 (defun lag--part (limit)
-  "Find a word of a drawing, a body or a joint before LIMIT."
+  "Find a word that stands behind a value before LIMIT."
   (let (found)
     (while (and (not found) (re-search-forward (lag--words "{{ words('part')|join('" "') }}") limit t))
       (setq found (save-match-data
@@ -64,7 +64,7 @@
     (,(concat "^[ \t]*" (lag--words "draw" "view") "\\(?:[ \t]+" (lag--words "{{ words('shape')|join('" "') }}") "\\)?")
      (1 'font-lock-keyword-face) (2 'font-lock-type-face nil t)
      (lag--part (lag--end) nil (1 'font-lock-builtin-face)))
-    (,(concat "^[ \t]*" (lag--words "body" "joint"))
+    (,(concat "^[ \t]*" (lag--words "{{ words('parted')|join('" "') }}") "[ \t]+[[:alpha:]_]")
      (1 'font-lock-keyword-face)
      (lag--part (lag--end) nil (1 'font-lock-builtin-face)))
     ("\"[^\"\n]*\"" (0 'font-lock-string-face))

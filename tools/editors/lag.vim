@@ -17,7 +17,7 @@ syn region lagBracket start=/(/ end=/)/ contains={{ value }}
 syn region lagBracket start=/\[/ end=/\]/ contains={{ value }}
 syn match lagUnit /\v%(\k|['\])])@1<=\s*\zs\[[^\[\]#]*\]/
 syn region lagIndexed matchgroup=lagName start=/\v%([[:alpha:]_]|[^\x00-\x7f])\k*\[/ matchgroup=NONE end=/\]/ contains={{ value }}
-syn match lagPart /\v%(%(\k|['\])])\s+)@<={{ either('part') }}>\s*/ contained
+syn match lagPart /\v%(^\s*\k+\s+)@<!%(%(\k|['\])])\s+)@<={{ either('part') }}>\s*/ contained
 syn match lagShape /\v%(^\s*%(draw|view)\s+)@<={{ either('shape') }}>\s*/ contained
 syn match lagFile /\v%(<{{ either('method') }}\s+)@<=[^ \t#]+/ contained
 syn match lagTableau /\v%(method\s+\k+\s+)@<={{ either('method') }}>\s*/ contained
@@ -27,7 +27,7 @@ syn match lagFile /"[^"]*"/
 syn match lagJoining /\v%(\k|")@1<=\s+{{ either('joining') }}>\s*/ contained
 syn region lagNamed start=/\v^\s*\zs{{ either('named') }}>\ze\s+%(\k|")/ end=/$/ contains={{ value }},lagFile,lagJoining
 syn region lagDrawing start=/\v^\s*\zs%(draw|view)>/ end=/$/ contains={{ value }},lagShape,lagPart
-syn region lagBody start=/\v^\s*\zs%(body|joint)>/ end=/$/ contains={{ value }},lagPart
+syn region lagBody start=/\v^\s*\zs{{ either('parted') }}>\ze\s+\k/ end=/$/ contains={{ value }},lagPart
 syn region lagMethod start=/\v^\s*\zsmethod>/ end=/$/ contains={{ value }},lagTableau,lagFile
 syn match lagComment /#.*$/
 syn sync minlines=50

@@ -9,7 +9,7 @@ from pkgen_editor.words import words
 NAME = r"[^\W\d]\w*"
 NUMBER = r"[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?"
 # Statements that have words of their own.
-DRAWN, BODIES, METHOD = "draw|view", "body|joint", "method"
+DRAWN, METHOD = "draw|view", "method"
 SCOPES = {
     "comment": "comment.line.number-sign",
     "statement": "keyword.control",
@@ -66,7 +66,7 @@ def grammar(made: str) -> str:
                     kinds=("statement", "shape", "clause"),
                 ),
                 region(
-                    rf"^[ \t]*({BODIES})\b[ \t]*",
+                    rf"^[ \t]*({alternatives('parted')})\b[ \t]+(?={NAME})",
                     "$",
                     *("comment", "parts", "expression"),
                     kinds=("statement",),
@@ -87,7 +87,10 @@ def grammar(made: str) -> str:
                 captured(rf"^[ \t]*({alternatives('opening')})\b[ \t]*", "statement"),
             ]
         },
-        "parts": captured(rf"{behind}({part})\b[ \t]*(?:({part})\b[ \t]*)?", "clause", "clause"),
+        "parts": captured(
+            rf"(?:{behind}|\b(falling|rising)[ \t]+)({part})\b[ \t]*(?:({part})\b[ \t]*)?",
+            *("clause", "clause", "clause"),
+        ),
         "strings": match("file", r'"[^"]*"'),
         "joints": captured(rf"(?<=[\w\"])[ \t]+({alternatives('joining')})\b[ \t]*", "clause"),
         "clauses": {

@@ -12,7 +12,7 @@ from pkgen.front.check.shared import ORIGIN
 from pkgen.front.joints import CLAUSES, GROUND, KINDS, SHOWN, TO
 from pkgen.front.shapes import FORMS, PLANES, SHAPES
 from pkgen.front.table import STATEMENTS
-from pkgen.front.words import CLAUSE_WORDS, CONSTANTS, TABLEAU
+from pkgen.front.words import BEHIND, CLAUSE_WORDS, CONSTANTS, TABLEAU
 from pkgen.tree import COMPONENTS
 
 _CALLS = """
@@ -50,6 +50,7 @@ if(CONDITION, a, b)  a where the condition holds, else b: if(x > 0 and not t > 2
 integral(EXPR)    in observe: what adds up from 0 on, with 'while CONDITION' while it holds
 error(NAME)       by how much NAME is off its closed form, 'exact NAME = …'
 power(NAME)       the power of a force or torque with a name
+loss(NAME)        the energy that an impact, a contact, a friction or a mode has taken so far
 dot(u, v)         the scalar product of two vectors
 cross(u, v)       the vector product
 norm(v)           the length of a vector
@@ -83,10 +84,12 @@ def words() -> dict[str, tuple[str, ...]]:
     """Returns the words of the language by class. `statement`: keywords that are reserved
     everywhere. `named`: words that are keywords only before a name or a string at the start of a
     line; `joining` stand between names in such statements. `opening`: words that are keywords only
-    at the start of a statement. `part`: keywords in some statements. `clause`: keywords in any
+    at the start of a statement. `part`: keywords behind a value in some statements; `parted` lists
+    these, but for drawings. `clause`: keywords in any
     statement. `function`: words that are keywords before a bracket."""
     parts = {part for shape in SHAPES.values() for part in shape.parts}
     bodies = {word for words in CLAUSES.values() for word in words} | KINDS.keys()
+    behind = {word for words in BEHIND.values() for word in words}
     found = {
         "statement": {word for word, row in STATEMENTS.items() if not row.soft},
         "opening": {w for w, row in STATEMENTS.items() if row.soft and not row.before_name},
@@ -94,7 +97,8 @@ def words() -> dict[str, tuple[str, ...]]:
         "joining": {"as", "with"},
         "clause": CLAUSE_WORDS,
         "shape": SHAPES.keys(),
-        "part": parts | FORMS.keys() | bodies | {TO},
+        "part": parts | FORMS.keys() | bodies | behind | {TO},
+        "parted": CLAUSES.keys() | {word.lower() for word in BEHIND},
         "function": callable_names() | SPECIAL,
         "constant": CONSTANTS.keys(),
         "method": {TABLEAU},

@@ -13,7 +13,7 @@ from types import MappingProxyType
 from conftest import ROOT
 from pkgen.front.lexer import statements
 from pkgen.front.table import STATEMENTS
-from pkgen.front.words import CLAUSE_WORDS, CONSTANTS
+from pkgen.front.words import BEHIND, CLAUSE_WORDS, CONSTANTS
 from pkgen.source import Source
 from pkgen_editor.words import words
 
@@ -31,8 +31,9 @@ def by_lexer(text: str) -> list[str]:
     """Of each character; "" of what no grammar is asked about: spaces, brackets, signs, names."""
     found = [""] * len(text)
     for statement in statements(Source("m.lag", text)):
-        for token in statement.tokens:
-            kind = TYPES.get(token.type, "")
+        for i, token in enumerate(statement.tokens):
+            behind = i > 0 and token in BEHIND.get(statement.tokens[0].type, ())
+            kind = "clause" if behind and token.type != "NAME" else TYPES.get(token.type, "")
             spelt = text[token.start_pos : token.end_pos]
             if token.type == "FUNCTION" and str(token) in words()["function"]:
                 kind = "function"

@@ -45,7 +45,7 @@ def test_a_unit_is_valid_and_steps_as_a_run_does(model: Path, version: str, unit
     path = unit(model, version)
     assert validate_fmu(str(path)) == []
     h, steps = 2.0**-7, 16
-    # Steps of a run end at the knots of a table, those of a unit also at rows: they differ in length.
+    # Steps of a run end at the knots of a table, those of a unit also at rows: they differ.
     step = h / 64 if "table" in model.read_text() else h
     found = fmpy.simulate_fmu(
         str(path),

@@ -15,7 +15,7 @@ syn region lagBracket start=/(/ end=/)/ contains=lagComment,lagFunction,lagClaus
 syn region lagBracket start=/\[/ end=/\]/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator
 syn match lagUnit /\v%(\k|['\])])@1<=\s*\zs\[[^\[\]#]*\]/
 syn region lagIndexed matchgroup=lagName start=/\v%([[:alpha:]_]|[^\x00-\x7f])\k*\[/ matchgroup=NONE end=/\]/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator
-syn match lagPart /\v%(%(\k|['\])])\s+)@<=%(at|box|coord|cylinder|disk|ellipsoid|fixed|free|from|in|inertia|lasting|limits|mass|planar|prismatic|radius|revolute|scale|spherical|to|top|turned|turns|width)>\s*/ contained
+syn match lagPart /\v%(^\s*\k+\s+)@<!%(%(\k|['\])])\s+)@<=%(along|at|box|coord|cylinder|delay|disk|ellipsoid|fixed|free|friction|from|in|inertia|lasting|limits|mass|off|offset|on|planar|poisson|prismatic|radius|restitution|revolute|scale|spherical|static|then|to|top|turned|turns|width|with)>\s*/ contained
 syn match lagShape /\v%(^\s*%(draw|view)\s+)@<=%(arrow|bob|body|circle|curve|ground|level|line|plane|rod|space|spring|trail)>\s*/ contained
 syn match lagFile /\v%(<%(tableau)\s+)@<=[^ \t#]+/ contained
 syn match lagTableau /\v%(method\s+\k+\s+)@<=%(tableau)>\s*/ contained
@@ -25,7 +25,7 @@ syn match lagFile /"[^"]*"/
 syn match lagJoining /\v%(\k|")@1<=\s+%(as|with)>\s*/ contained
 syn region lagNamed start=/\v^\s*\zs%(contact|exact|friction|impact|memory|mode|noise|sample|table|use)>\ze\s+%(\k|")/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagFile,lagJoining
 syn region lagDrawing start=/\v^\s*\zs%(draw|view)>/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagShape,lagPart
-syn region lagBody start=/\v^\s*\zs%(body|joint)>/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagPart
+syn region lagBody start=/\v^\s*\zs%(body|contact|event|friction|impact|joint|mode|sample)>\ze\s+\k/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagPart
 syn region lagMethod start=/\v^\s*\zsmethod>/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagTableau,lagFile
 syn match lagComment /#.*$/
 syn sync minlines=50
