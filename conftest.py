@@ -29,6 +29,11 @@ os.environ.setdefault("PKGEN_SEEDS_DATE", date.today().isoformat())  # workers h
 PAGES = sorted([ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("addons/*/*.md")])
 MODELS = sorted((ROOT / "models").glob("*.lag"))
 HOSTED = hosted()
+SHOWN = [  # models that live pages run: they refuse sample blocks
+    path
+    for path in sorted((ROOT / "models").rglob("*.lag"))
+    if "\nsample " not in path.read_text("utf-8")
+]
 STRICT = [
     "-std=c99",
     "-Wall",

@@ -138,7 +138,6 @@ def test_methods_without_noise_refuse_it_by_name(model: Path, method: str) -> No
         (("run", *BAOAB, "--diagnose=lyapunov"), "--diagnose knows no noise"),
         (("chart",), "noise has no reference"),
         (("stability",), "pkgen stability knows no noise"),
-        pytest.param(("show",), "pkgen show knows no noise", marks=OTHERS),
         pytest.param(("export", "--as", "fmu"), "pkgen export knows no noise", marks=OTHERS),
     ],
 )

@@ -51,6 +51,7 @@ def test_the_extra_model_is_right():
 
 FOUND = [  # what has once ended in an internal error
     "model wrong\nparam force = 1\nparam in\n= \nend\n2\nparam step = 3\ncoord x\nkinetic x'^2/2\n",
+    "model m\nsize N 0 5\ncoord x\nkinetic x'^2/2\ncontact c[i = 1..N]: x - i >= 0\n",
 ]
 
 

@@ -52,7 +52,8 @@ struct swarm *EXPORT(pk_swarm_new)(const void *params, const char *method, doubl
         pk_host_refuse(found ? "there is no memory" : "there is no such method");
         return NULL;
     }
-    if (pk_host_model.system->switches.impulses) {
+    if (pk_host_model.system->switches.impulses || pk_host_model.system->resets.n ||
+        pk_host_model.system->contacts.n) {
         free(s);
         pk_host_refuse("a swarm is not made of a model with impacts");
         return NULL;

@@ -13,14 +13,14 @@ from pathlib import Path
 
 import pytest
 
-from conftest import HOSTED, ROOT, long_but
+from conftest import ROOT, SHOWN, long_but
 from pkgen import limits
 from pkgen.__main__ import main
 from pkgen.back.wasm.build import missing
 from pkgen.cli import compilation
 
 CALLS_A_SECOND = 300_000
-MODELS = HOSTED
+MODELS = SHOWN
 QUICK = [ROOT / "models/double_pendulum.lag"]
 
 

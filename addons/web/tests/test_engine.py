@@ -11,14 +11,14 @@ from pathlib import Path
 import native
 import pytest
 
-from conftest import HOSTED, ROOT, long_but, run_pkgen
+from conftest import ROOT, SHOWN, long_but, run_pkgen
 from pkgen.back.wasm import build
 from pkgen.system.exits import BuildError
 
 RUNNER = Path(__file__).with_name("engine_runner.js")
 NOT_HERE = build.missing() or ([] if shutil.which("node") else ["nodejs"])
 pytestmark = pytest.mark.skipif(bool(NOT_HERE), reason=f"apt-get install {' '.join(NOT_HERE)}")
-MODELS = HOSTED
+MODELS = SHOWN
 
 
 @pytest.fixture(scope="module")
@@ -52,17 +52,18 @@ def asked_of(method: dict) -> dict:
     return {"step": 0.005}
 
 
-def compare(model: Path, folder: Path) -> int:
+def compare(model: Path, folder: Path, every: float = EVERY) -> int:
     """Every method that applies against this machine's C; the number of states compared."""
+    times = [every * k for k in range(1, 11)]
     native_ = native.made(model)
     methods = [m for m in native_.description["methods"] if m["applies"] and not m["gsl"]]
-    jobs = [{"times": TIMES, "method": m["name"], **asked_of(m)} for m in methods]
+    jobs = [{"times": times, "method": m["name"], **asked_of(m)} for m in methods]
     compared = 0
     # Steps that end at knots of a table, or just before, are of different lengths afterwards.
     within = 1e-5 if native_.description["tables"] else 1e-9
     for method, found in zip(methods, asked(page(model, folder), *jobs)["found"], strict=True):
         name = method["name"]
-        why, rows = native.rows(native_, method, until=TIMES[-1], every=EVERY, **asked_of(method))
+        why, rows = native.rows(native_, method, until=times[-1], every=every, **asked_of(method))
         if "no step" in found.get("error", "") and "no step" in why:
             continue  # adaptive_verlet of forces without a gradient
         assert "error" not in found, f"{name}: {found['error']}"
@@ -89,6 +90,15 @@ SOME = (
 @pytest.mark.parametrize("name", long_but(["bodies/free_body"], SOME))
 def test_every_method_goes_as_in_a_run(name: str, folder: Path) -> None:
     assert compare(ROOT / "models" / f"{name}.lag", folder) >= 150
+
+
+HIT = ("stick_slip_belt", "bouncing_ball", "rocking_block")
+
+
+@pytest.mark.parametrize("name", long_but(["stick_slip_belt"], HIT))
+def test_contacts_go_as_in_a_run(name: str, folder: Path) -> None:
+    """They close, stick and open again within these times."""
+    assert compare(ROOT / "models" / "contact" / f"{name}.lag", folder, every=0.3773) >= 200
 
 
 def test_own_methods_and_a_fast_part_go_as_in_a_run(folder: Path, tmp_path: Path) -> None:

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from browser import browser_, packed_, show_  # noqa: F401
 
-from conftest import HOSTED, ROOT, long_but, rows, written
+from conftest import ROOT, SHOWN, long_but, rows, written
 
-MODELS = HOSTED
+MODELS = SHOWN
 PENDULUM = ROOT / "models" / "double_pendulum.lag"
 KEPLER = ROOT / "models" / "particles" / "kepler.lag"
 TOP = ROOT / "models" / "heavy_top.lag"

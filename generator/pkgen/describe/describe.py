@@ -230,6 +230,7 @@ class _Description:
                 **_named(Quantity(name, own.unit, own.description), k),
                 "direction": own.direction,
                 "stop": own.stop,
+                "hidden": hidden(name),
             }
 
     def methods(self) -> Entries:
@@ -310,6 +311,12 @@ def _why_not(compilation: Compilation, method: Method | None, item: dict) -> str
         return (
             f"it takes constraints of positions alone: {rolling[0]} is one of the rates (rolling)"
         )
+    model = compilation.declared
+    if model.noises and "noise" not in item["flags"]:
+        return "it takes no noise"
+    at_times = [x.name for x in (*model.contacts, *model.frictions, *model.modes)]
+    if "holonomic" in item["flags"] and at_times:
+        return f"it takes no constraints that hold at times, such as {at_times[0]}"
     linear = not compilation.looped and compilation.equations.linear is not None
     if "linear" in item["flags"] and not linear:
         return "it needs the derivatives of the acceleration, which so many coordinates are without"

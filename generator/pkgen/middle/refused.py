@@ -22,7 +22,6 @@ def _changes(message: str) -> dict[str, tuple[str, str]]:
     """Returns the row of statements that change the motion at once."""
     return {
         "pkgen export": (message, _BUILT),
-        "pkgen show": (message, _RUNS),
         "pkgen stability": (message, _SMOOTH),
         "--enclose": (message, _SMOOTH),
         "--diagnose": (message, "'spectrum' and 'area' alone are of its rows"),
@@ -52,7 +51,6 @@ _REFUSED = {
             _NO_NOISE,
             "the C of 'pkgen MODEL.lag' has NAME_noise(); 'pkgen build' makes a program",
         ),
-        "pkgen show": (_NO_NOISE, _RUNS),
         "pkgen stability": (_NO_NOISE, _LEFT),
         "pkgen chart": (
             "{} measures errors of one motion, and noise has no reference",

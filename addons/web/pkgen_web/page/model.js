@@ -7,7 +7,7 @@ const Model = (() => {
   function entries(description) {
     const list = [];
     for (const p of description.parameters) list.push({ ...p, key: "p" + p.index, kind: "p" });
-    for (const u of description.inputs || [])
+    for (const u of (description.inputs || []).filter((u) => !u.sampled_by))
       list.push({
         name: u.name,
         key: "u" + u.index,

@@ -14,7 +14,7 @@ const Panels = (() => {
       {
         title: "Section",
         make: PanelsPlane.section,
-        suits: (m) => m.description.events.length > 0,
+        suits: (m) => m.description.events.some((e) => !e.hidden),
       },
     ],
     ["spectrum", { title: "Spectrum", make: PanelsPlane.spectrum, suits: () => true }],

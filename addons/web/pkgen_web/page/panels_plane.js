@@ -86,7 +86,7 @@ const PanelsPlane = (() => {
    * continues the integration beyond the current time to find more points, for a few milliseconds
    * per update of the panel. */
   function section(lab, body, tools) {
-    const { events } = lab.model.description;
+    const events = lab.model.description.events.filter((e) => !e.hidden);
     const list = quantitiesOf(lab.model).filter((e) => e.kind !== "o");
     let event = (events.find((e) => !e.stop) || events[0]).index;
     let x = list.find((e) => e.kind === "q" && e.index === Math.min(1, lab.nq - 1)) || list[0];

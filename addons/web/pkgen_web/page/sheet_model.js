@@ -66,7 +66,7 @@ const SheetModel = (() => {
         ),
         list(
           "Events",
-          d.events.map((e) => [
+          d.events.filter((e) => !e.hidden).map((e) => [
             e.name,
             [
               { 1: "rising through zero", "-1": "falling through zero" }[e.direction] ||

@@ -106,6 +106,8 @@ size_t EXPORT(pk_host_rows)(struct pk_host_motion *m, size_t count, const double
                             double budget, double *rows, int *status);
 double EXPORT(pk_host_t)(const struct pk_host_motion *m);
 const double *EXPORT(pk_host_y)(const struct pk_host_motion *m);
+/* The inputs, among which are the modes of contacts, frictions and latches. */
+const double *EXPORT(pk_host_u)(const struct pk_host_motion *m);
 double EXPORT(pk_host_steps)(const struct pk_host_motion *m);
 double EXPORT(pk_host_evaluations)(const struct pk_host_motion *m);
 /* pk_host_crossed() returns the number of event crossings since its last call. After that,

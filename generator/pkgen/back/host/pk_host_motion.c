@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <pk/act.h>
 #include <pk/events.h>
 #include <pk/integrator.h>
 
@@ -14,11 +15,13 @@ enum { MOST_CROSSINGS = 1 << 16 }; /* maximum number of recorded crossings */
 struct pk_host_motion {
     struct pk_integrator it, aside;
     struct pk_events events;
+    struct pk_actor actor;
     void *block, *events_block, *aside_block;
     size_t size, n_q, n, n_inputs;
     double t, *y;      /* the current state of the motion */
     double t0, *y0;    /* the initial state */
-    double *u;         /* inputs */
+    double *u;         /* inputs, the modes of contacts among them */
+    double *acts;      /* memory of the actor, or NULL */
     double *crossings; /* rows of event index, t, y */
     size_t n_crossings, room;
     int stopped; /* nonzero after an event that ends the motion */
@@ -48,6 +51,7 @@ static int cross(void *context, const struct pk_events *events)
 {
     struct pk_host_motion *m = (struct pk_host_motion *)context;
     const size_t width = 2 + m->n_q + m->n;
+    const int acts = m->acts ? pk_actor_note(&m->actor, events) : 0;
     if (m->n_crossings == m->room && m->room < MOST_CROSSINGS) {
         const size_t room = m->room ? 2 * m->room : 16;
         double *const grown = (double *)realloc(m->crossings, room * width * sizeof *grown);
@@ -57,12 +61,12 @@ static int cross(void *context, const struct pk_events *events)
         }
     }
     if (m->n_crossings == m->room)
-        return 0;
+        return acts;
     double *const at = m->crossings + width * m->n_crossings++;
     at[0] = (double)events->which;
     at[1] = events->t;
     state(m, at + 2, events->q, events->v);
-    return 0;
+    return acts;
 }
 
 void pk_host_free(struct pk_host_motion *m)
@@ -73,6 +77,7 @@ void pk_host_free(struct pk_host_motion *m)
     free(m->events_block);
     free(m->aside_block);
     free(m->crossings);
+    free(m->acts);
     free(m->y);
     free(m);
 }
@@ -97,6 +102,43 @@ static struct pk_host_motion *refused(struct pk_host_motion *m, const char *why)
         pk_host_refuse(why);
     pk_host_free(m);
     return NULL;
+}
+
+/* Makes the second integrator `aside`, which computes states within a step of the first. It starts
+ * at the initial state of the motion, since the integrator might refuse to start at another state.
+ * Returns PK_DONE or an error. */
+static enum pk_status make_aside(struct pk_host_motion *m)
+{
+    struct pk_problem problem = m->it.problem;
+    if (!m->aside_block) {
+        if (m->events.sides) /* parameters in which the side of each switch is fixed */
+            problem.params = m->events.params;
+        m->aside_block = calloc(1, m->size + 1);
+        if (!m->aside_block)
+            return PK_NO_MEMORY;
+        if (pk_integrator_init(&m->aside, &problem, m->it.method, &m->it.options, m->t0, m->y0,
+                               m->y0 + m->n_q, m->aside_block, m->size) < 0)
+            return m->aside.status;
+    }
+    m->aside.options.h = m->it.options.h;
+    return PK_DONE;
+}
+
+/* Starts what changes the motion at once: contacts, and values after events. Returns 0 on a
+ * failure. */
+static int begin_contacts(struct pk_host_motion *m)
+{
+    const struct pk_problem *problem = &m->it.problem;
+    const size_t reals = pk_actor_reals(problem);
+    if (!reals)
+        return 1;
+    m->acts = (double *)calloc(reals, sizeof *m->acts);
+    m->actor = (struct pk_actor){.system = problem->system, .params = problem->params, .u = m->u};
+    if (!m->acts) {
+        m->it.status = PK_NO_MEMORY;
+        return 0;
+    }
+    return pk_actor_start(&m->actor, &m->it, m->acts) >= 0;
 }
 
 struct pk_host_motion *pk_host_motion_new(const void *params, const char *method, double h,
@@ -139,32 +181,23 @@ struct pk_host_motion *pk_host_motion_new(const void *params, const char *method
         pk_integrator_reason(&m->it, pk_host_text, PK_HOST_TEXT);
         return refused(m, NULL);
     }
+    if (!begin_contacts(m)) {
+        pk_integrator_reason(&m->it, pk_host_text, PK_HOST_TEXT);
+        return refused(m, NULL);
+    }
     if (pk_events_init(&m->events, &m->it, m->events_block, events_size) < 0)
         return refused(m, "the events of the model cannot be looked for");
     m->events.found = cross;
     m->events.context = m;
-    keep(m, t, &m->it);
-    return m;
-}
-
-/* Makes the second integrator `aside`, which computes states within a step of the first. It starts
- * at the initial state of the motion, since the integrator might refuse to start at another state.
- * Returns PK_DONE or an error. */
-static enum pk_status make_aside(struct pk_host_motion *m)
-{
-    struct pk_problem problem = m->it.problem;
-    if (!m->aside_block) {
-        if (m->events.sides) /* parameters in which the side of each switch is fixed */
-            problem.params = m->events.params;
-        m->aside_block = calloc(1, m->size + 1);
-        if (!m->aside_block)
-            return PK_NO_MEMORY;
-        if (pk_integrator_init(&m->aside, &problem, m->it.method, &m->it.options, m->t0, m->y0,
-                               m->y0 + m->n_q, m->aside_block, m->size) < 0)
-            return m->aside.status;
+    if (m->acts) {
+        m->actor.events = &m->events;
+        pk_actor_watch(&m->actor, &m->it);
     }
-    m->aside.options.h = m->it.options.h;
-    return PK_DONE;
+    keep(m, t, &m->it);
+    state(m, m->y0, m->it.q, m->it.v);
+    if (m->acts && make_aside(m) < 0) /* later, other contacts hold */
+        return refused(m, "the motion cannot be started twice");
+    return m;
 }
 
 /* Computes the state at t within the last step, by dense output or by a shorter step of `aside`. */
@@ -224,12 +257,21 @@ static int cover(struct pk_host_motion *m, double t, double budget)
     const int fixed = !has(m, PK_ADAPTIVE | PK_DENSE);
     /* A step that ends at a switch has no dense output: if there are switches, a step ends at t. */
     const double end = m->events.sides && has(m, PK_ADAPTIVE) ? t : far;
-    while (it->t < t && !pk_integrator_is_at(it, t)) {
+    while (m->actor.acting || (it->t < t && !pk_integrator_is_at(it, t))) {
         if (budget-- <= 0)
             return 1;
-        m->from = it->t;
-        const enum pk_status status =
-            pk_events_step(&m->events, it, fixed ? pk_integrator_limit(it, t, far) : end);
+        enum pk_status status;
+        if (m->actor.acting) {
+            if (it->t > t) /* the change is after t: the motion before it is asked for first */
+                break;
+            status = pk_actor_run(&m->actor, it);
+            m->from = it->t;
+        } else {
+            m->from = it->t;
+            status = pk_events_step(&m->events, it, fixed ? pk_integrator_limit(it, t, far) : end);
+        }
+        if (status == PK_STOPPED_EVENT && m->actor.acting)
+            continue;
         m->stopped = status == PK_STOPPED_EVENT;
         if (m->stopped)
             break;
@@ -257,7 +299,7 @@ int pk_host_to(struct pk_host_motion *m, double t, double budget)
     if (status == PK_DONE && m->stopped)
         status = at_stop(m, t);
     else if (status == PK_DONE) {
-        enum pk_status found = within(m, t);
+        enum pk_status found = m->actor.acting ? PK_BAD_ARGUMENT : within(m, t);
         if (found == PK_BAD_ARGUMENT) /* no dense output: the step ended at a switch */
             found = before_end(m, t);
         status = found < 0 ? found : 0;
@@ -279,6 +321,8 @@ size_t pk_host_rows(struct pk_host_motion *m, size_t count, const double *times,
     }
     return count;
 }
+
+const double *pk_host_u(const struct pk_host_motion *m) { return m->u; }
 
 double pk_host_t(const struct pk_host_motion *m) { return m->t; }
 

@@ -245,6 +245,7 @@ const Engine = (() => {
       const { c } = this.engine;
       this.t = c.pk_host_t(this.at);
       [this.q, this.v] = this.engine.split(c.pk_host_y(this.at));
+      this.inputs = this.engine.reals(c.pk_host_u(this.at), this.engine.inputs).slice();
       this.steps = c.pk_host_steps(this.at);
       this.evaluations = c.pk_host_evaluations(this.at);
     }

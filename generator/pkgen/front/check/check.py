@@ -165,7 +165,8 @@ class _Checker(Checks):
         self.tables.finish(self.broken)
         if "rate" not in self.broken:
             self.states.finish()
-        self.checks["contacts"].finish()
+        if not self.broken:
+            self.checks["contacts"].finish()
         required = Required(self.file, self.shared, self.broken)
         required.check()
         parts = self.parts

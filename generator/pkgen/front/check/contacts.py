@@ -183,12 +183,12 @@ class Contacts(Settings):
         """Writes families out, and adds what contacts, frictions and modes stand for: inputs that
         say which rows hold, and the events at which that changes. Names of what only the runtime
         reads begin with a digit."""
+        if self.report.errors:
+            return
         for item in (*self.parts["contacts"], *self.parts["frictions"]):
             ends = self.members_of(item) if item.range else None
             if ends is not None and ends[1] - ends[0] >= MOST:
-                self._too_many(ends[1] - ends[0] + 1, item)
-        if self.report.errors:
-            return
+                return self._too_many(ends[1] - ends[0] + 1, item)
         contacts = [*self._each("contacts", ("gap", "restitution", "mu", "along"))]
         frictions = [*self._each("frictions", ("slip", "value", "static"))]
         for x in contacts:
