@@ -99,8 +99,8 @@ def executed(path: Path, name: str, folder: Path) -> tuple[set[str], set[str], b
 def test_a_run_calls_all_that_is_there(of, tmp_path):
     path, name = of
     there, called, definite = executed(ROOT / path, name, tmp_path)
-    # The acceleration, which a system must have, is not called where M and p are solved for; kernels
-    # of a motion without contacts are not called where one is closed throughout.
+    # The acceleration, which a system must have, is not called where M and p are solved for. The
+    # kernels of a motion without contacts are not called where one is closed throughout.
     unused = {kernel for kernel in there if kernel.endswith("_free")}
     assert there - called <= {"acceleration"} | unused | (set() if definite else {"mass"})
     assert "acceleration" in there and called
