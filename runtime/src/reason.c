@@ -229,8 +229,8 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     case PK_SLIDING:
         pk_system_switch_name(system, it->problem.params, index, name, sizeof name);
         return SAY("the motion stays on %s = 0: on either side of it the equations lead "
-                   "back to it, and what follows they do not say; a smooth function in place "
-                   "of the jump, such as tanh, does",
+                   "back to it, and what follows they do not say; 'friction NAME = F' does, and "
+                   "so does a smooth function in place of the jump, such as tanh",
                    name);
     case PK_PENETRATES:
         return SAY("%s: %s is %.6g", what, system->contacts.table[index].name, value);

@@ -45,3 +45,14 @@ def test_what_cannot_be_is_said(pkgen) -> None:
     refused = "rattle takes no constraints that hold at times, such as the contact floor"
     assert refused in rattle.stderr
     assert "pkgen stability knows no contacts" in pkgen("stability", BALL).stderr
+
+
+def test_a_jump_by_sign_gets_the_hint(pkgen, tmp_path: Path) -> None:
+    model = tmp_path / "slides.lag"
+    text = "model slides\ncoord x\nkinetic x'^2/2\npotential x^2\nforce x = -0.5*sign(x')\n"
+    model.write_text(text + "start x = 1.6\n", encoding="utf-8")
+    done = pkgen("run", model, "--until", 10)
+    assert "help: a law that sticks too, for a force F: friction x = F" in done.stderr
+    assert done.returncode == 4 and "'friction NAME = F' does" in done.stderr
+    model.write_text(text.replace("force x = -0.5*sign(x')", "friction x = 0.5"), encoding="utf-8")
+    assert pkgen("run", model, "--until", 10).returncode == 0

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ... import model as m
-from ...tree import Call, Expr, Multiply, Name, Prime
+from ...tree import Call, Expr, Multiply, Name, Prime, within
 from .. import statements as st
 from .. import units
 from ..units import NONE, si_text
@@ -73,6 +73,12 @@ class Forces(Checks):
         target = Target(dimension, f"the force along {left.name} needs {text}")
         value, facts = self.wanted(statement.value, scope, target)
         self.use_inputs(facts)
+        for part in within(statement.value):
+            match part:
+                case Call(function="sign", arguments=(Prime(of=Name(id=left.name)),)):
+                    message = "sign does not say the force of dry friction at rest"
+                    law = f"a law that sticks too, for a force F: friction {left.name} = F"
+                    self.warn(message, part, law)
         force = m.Force(left.name, left.index, left.range, value, statement.span)
         self.parts["forces"].append(force)
 
