@@ -22,6 +22,7 @@ static void begin(void *context)
         run->code = run_refuse(run, "a method of a fixed step: give it by --step");
     else
         run->code = run_begin(run);
+    run->next = run->count + 1; /* the caller asks for states: no row is due */
     run->begun = run->code == PK_RUN_DONE;
     if (run->it.status < 0)
         tell(run);
