@@ -343,4 +343,8 @@ void pk_actor_keep(struct pk_actor *a, struct pk_keep *k)
     pk_keep(k, a->seen, system->contacts.n * sizeof *a->seen);
     PK_KEEP(k, a->order_t);
     PK_KEEP(k, a->order_of);
+    PK_KEEP(k, a->changed);
+    PK_KEEP(k, a->crowd);
+    PK_KEEP(k, a->crowd_from);
+    PK_KEEP(k, a->most);
 }

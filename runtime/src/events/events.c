@@ -117,6 +117,7 @@ enum pk_status pk_events_keep(struct pk_events *e, struct pk_keep *k)
     for (size_t i = 0; i < sizeof flags / sizeof *flags; i++)
         PK_KEEP(k, *flags[i]);
     PK_KEEP(k, e->left);
+    PK_KEEP(k, e->tried);
     return pk_integrator_keep(&e->scout, k);
 }
 
