@@ -132,7 +132,17 @@ CASES = {
     "ball": _case(ball, 0, 5, 1e-5, 1e7, XML, "soft: no impact; rests, no time told"),
     "cradle": _case(cradle, HANGS, [0] * 5, 5e-7, 4e11, XML, "soft: all balls move at once"),
     "rock": _case(rock, TILTED, [0] * 3, 1e-4, 0, "XML", "rests, no time told", lambda x: x[2:]),
-    "box": _case(box, [0] * 3, SLIDES, 1e-4, 0, "XML", "slides / creeps, slides", first, SLOPES),
+    "box": _case(
+        box,
+        [0] * 3,
+        SLIDES,
+        1e-4,
+        0,
+        "XML",
+        "slides on both / stops, creeps; slides on",
+        first,
+        SLOPES,
+    ),
     "belt": _case(
         belt,
         [0, 0],

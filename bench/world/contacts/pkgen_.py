@@ -42,7 +42,7 @@ CASES = {
     "ball": _case("ball", "bouncing_ball", "y y'", "impact", "72 bounces; the time of rest"),
     "cradle": _case("cradle", "newton_cradle", ROW, "contact", "one by one; warns of two at once"),
     "rock": _case("rock", "rocking_block", "theta theta'", "contact", "the time of rest"),
-    "box": _case("box", "box_on_incline", "x x'", "contact", "stops / slides", SLOPES, SLIDES),
+    "box": _case("box", "box_on_incline", "x x'", "contact", "stops; slides on", SLOPES, SLIDES),
     "belt": _case("belt", "stick_slip_belt", "x x'", "friction", "sticks and slips by itself"),
     "graze": _case("graze", "", "x x'", "contact", "both touches found", STOPS),
 }
