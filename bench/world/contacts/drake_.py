@@ -225,6 +225,6 @@ CASES = {
     "cradle": _case(cradle, "one by one, by own rule", [()]),
     "rock": _case(rock, "rests, no time told / own rule of rest"),
     "box": _case(box, "slides on both / own rule of stick", SLOPES),
-    "belt": _case(belt, "smeared / own rule of stick", [()]),
+    "belt": _case(belt, "creeps, slips early / own rule of stick", [()]),
     "graze": _case(graze, "passed silently / steps of 1 ms", STOPS, 1e-3),
 }

@@ -154,5 +154,5 @@ CASES = {
         lambda x: [sum(x)],
         loop=static_or_not,
     ),
-    "graze": _case(graze, 0, 1, 1e-5, 1e9, "XML, limit of a joint", "soft: pressed", list, STOPS),
+    "graze": _case(graze, 0, 1, 1e-5, 1e9, "XML, limit of a joint", "soft: no impact", list, STOPS),
 }
