@@ -14,7 +14,7 @@
 `python -m bench scale [--docs]` what sweeps of 1e6 to 1e12 members cost: scale.py
 `python -m bench member_lanes [--docs]` members in lanes, beside one by one: member_lanes.py
 `python -m bench members [--docs]` members a second and core beside other packages: members.py
-`python -m bench world [--python PY] [--docs]` five models beside other packages: world/
+`python -m bench world [--contacts] [--python PY] [--docs]` models beside other packages: world/
 `python -m bench families [--docs]` what loops can do, beside members written out: families.py
 
 What is measured: kernels.py, measure.py, ensembles.py, chains.py, longrun.py, derivation.py
