@@ -105,3 +105,11 @@ def test_a_relay_from_rest_at_its_jump_slides(tmp_path: Path, method: str) -> No
     path = written(tmp_path, "model m\ncoord x\nkinetic x'^2/2\nforce x = 1 - 2*step(x)\n")
     done = run_pkgen("run", path, "--until", "3", "--method", method)
     assert done.returncode == 4 and "the motion stays on x = 0" in done.stderr
+
+
+def test_a_switch_may_begin_with_a_number(pkgen, tmp_path: Path) -> None:
+    """Such names of events are of contacts, which reports leave out."""
+    text = "model m\ncoord x\nkinetic x'^2/2\nforce x = step(1 - x)\nstart x' = 1\n"
+    done = pkgen("run", written(tmp_path, text), "--until", "2", "--json")
+    (switch,) = json.loads(done.stdout)["report"]["switches"]
+    assert switch["name"] == "1 - x" and switch["count"] == 1

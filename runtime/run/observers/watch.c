@@ -21,7 +21,7 @@ const char *watch_name(const struct pk_system *system, size_t k)
  * digit. */
 static int is_hidden(const struct pk_system *system, size_t k)
 {
-    return *watch_name(system, k) <= '9';
+    return k < system->events.n && *watch_name(system, k) <= '9';
 }
 
 /* Returns the run's integrator, or that of block k; NULL if k is behind the last one. */
