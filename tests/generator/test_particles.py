@@ -210,10 +210,12 @@ MODELS = ROOT / "models"
 LINES = {"thrown_stone", "coupled_oscillators", *(p.stem for p in MODELS.glob("chains/*.lag"))}
 LINES = LINES - {"hanging", "rope"} | {"motor", "two_motors", "bilinear_spring", "coarse_sensor"}
 LINES |= {"guiding_centre", "hyperbolic_motion", "point_vortices"}  # coordinates, no places
+LINES |= {"bouncing_ball", "box_on_incline", "newton_cradle", "stick_slip_belt"}
 UNNAMED = {"two_pendulums", "heavy_top"}  # where its pivots are is not said; a rigid body
 # Points, and rods that are as points; the others turn, roll, or are states alone.
 RODS = {"pendulum_rod", "double_pendulum_rods", "slider_crank", "two_links", "weather_vane"}
 BODIES = {p.stem for of in ("bodies", "constrained") for p in MODELS.glob(f"{of}/*.lag")} - RODS
+BODIES |= {"rocking_block"}
 
 
 @pytest.mark.parametrize("path", sorted(MODELS.rglob("*.lag")), ids=lambda path: path.stem)
