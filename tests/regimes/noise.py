@@ -18,7 +18,7 @@ import numpy as np
 from .prediction import BOUNDARY
 from .shown import around, shown
 
-STATISTICS = 0.05  # three deviations of a variance of 8,000
+STATISTICS = 0.02  # three deviations of a variance of 50,000
 BATH = "pkgen run bath.lag --scene many --method {} --step {} --until {}"
 LONG = "--step $h --until 20000*$h --every 20000*$h"
 
@@ -34,18 +34,18 @@ def heated(h: float, c: float, steps: int) -> float:
 
 PREDICTIONS = [
     shown(
-        "BA1", "8,000 oscillators in a bath, c = .5, kT = 1, baoab, h w = 1",
+        "BA1", "50,000 oscillators in a bath, c = .5, kT = 1, baoab, h w = 1",
         "rates are too cold, by 1 - (h w)^2/4", 0.75, STATISTICS,
         BATH.format("baoab", 1, 24) + " --set c=0.5", "mean(q'**2)", "--method heun",
     ),
     shown(
-        "BA2", "8,000 particles in a bath, c = kT = 1, baoab, h = 2, 20 steps",
+        "BA2", "50,000 particles in a bath, c = kT = 1, baoab, h = 2, 20 steps",
         "spread too far, by c h/2 coth(c h/2) in the end", 4 * (20 / tanh(1) - 0.75 / tanh(1) ** 2),
         STATISTICS, BATH.format("baoab", 2, 40) + " --set k=0", "mean(q**2)",
         "--method stochastic_verlet",
     ),
     shown(
-        "BA3", "8,000 oscillators in a bath, c = .1, kT = 1, heun, h w = .8, 25 steps",
+        "BA3", "50,000 oscillators in a bath, c = .1, kT = 1, heun, h w = .8, 25 steps",
         "heat up, though damped: the mean of q^2", heated(0.8, 0.1, 25), STATISTICS,
         BATH.format("heun", 0.8, 20) + " --set c=0.1", "mean(q**2)", "--method baoab",
     ),
