@@ -132,19 +132,6 @@ struct growth lyapunov_growth(const struct lyapunov *l)
     return found;
 }
 
-/* Updates the largest |x - x(0)| of each coordinate and rate, 2 n numbers. The displacements, which
- * follow the n coordinates and first-order variables in the state of `it`, are skipped. */
-void lyapunov_note(pk_real *most, const struct settings *s, const struct pk_integrator *it)
-{
-    const size_t n = s->n, seen = settings_coordinates(s);
-    for (size_t i = 0; i < 2 * n; i++) {
-        if (i >= seen && i < n)
-            continue;
-        const pk_real x = i < n ? it->q[i] - s->q[i] : it->v[i - n] - s->v[i - n];
-        most[i] = PK_F(fmax)(most[i], PK_F(fabs)(x));
-    }
-}
-
 /* Returns whether a motion leaves its start or rests; `most` has the excursions of both halves. */
 static int leaves(const pk_real *most, const struct settings *s)
 {
@@ -179,7 +166,7 @@ static enum pk_status by_variation(struct lyapunov *l, struct pk_run *run, pk_re
     enum pk_status status = *why ? PK_REFUSED : lyapunov_begin(l, &m, m.end / LYAPUNOV_BLOCKS);
     for (int k = 0; status >= 0 && k < LYAPUNOV_BLOCKS && it->t < m.end; k++) {
         status = lyapunov_step(l);
-        lyapunov_note(most + (2 * k >= LYAPUNOV_BLOCKS ? 2 * s->n : 0), s, it);
+        motion_note(most + (2 * k >= LYAPUNOV_BLOCKS ? 2 * s->n : 0), s, it);
         if (run_stopped(run, (double)(it->t / m.end)))
             break;
     }

@@ -218,7 +218,7 @@ static enum pk_status follow(struct lyapunov *l, struct neighbour *a, struct nei
             PK_TRY(renew(l, a, b, sizes, none, &size));
         }
         l->G[l->blocks++] = l->grown + PK_F(log)(size / NEAR);
-        lyapunov_note(most + (2 * l->blocks > LYAPUNOV_BLOCKS ? 2 * n : 0), s, it);
+        motion_note(most + (2 * l->blocks > LYAPUNOV_BLOCKS ? 2 * n : 0), s, it);
     }
     return PK_DONE;
 }
