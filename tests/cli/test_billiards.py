@@ -144,8 +144,7 @@ BALL = "model m\ncoord y\nkinetic y'^2/2\npotential y\nstart y = 1\n"
             "--diagnose knows no modes",
         ),
         (
-            FREE + "constraint c: x = y\nstart x' = 1, y' = 1\n"
-            "contact w: 1 - x >= 0 restitution 1",
+            FREE + "constraint c: x = y\nstart x' = 1, y' = 1\ncontact w: 1 - x >= 0 restitution 1",
             2,
             "the model has constraints",
         ),

@@ -19,8 +19,8 @@ CO10: with [[a, b], [b, a]] the inverse mass of the tip, a = 1 + 3/2, b = -3/2, 
 tip that sticks give (-(1 - e^2) a u^2 + 2 b u s - a s^2)/(2 (a^2 - b^2)), u = -1 and s the rates
 before (after T. R. Kane, A dynamics puzzle, 1984).
 CO11: one impact of all makes the first gap open at the rate at which it closed, and keeps the
-others: of the rate the first ball has 2/5 - 1 then, each other one 2/5. One after the other, as they
-are a millionth apart, they have 0, 0, 0, 0 and 1. It is said that they differ.
+others: of the rate the first ball has 2/5 - 1 then, each other one 2/5. One after the other, as
+they are a millionth apart, they have 0, 0, 0, 0 and 1. It is said that they differ.
 """
 
 from math import atan2, atanh, pi, sqrt

@@ -139,18 +139,18 @@ in `__float128`, by another method too.
 
 A wall that is struck (CO1). Every method keeps its order, for its steps end at impacts:
 
-![Accuracy against evaluations of a pendulum that a wall reflects](../../pictures/chart_walled_pendulum.svg)
+![A pendulum that a wall reflects](../../pictures/chart_walled_pendulum.svg)
 
 A wall that is only touched (CO3). The steps of Verlet's method strike it, and its order falls to 1;
 the other methods shown keep theirs:
 
-![Accuracy against evaluations of an oscillator that touches a wall](../../pictures/chart_touched_wall.svg)
+![An oscillator that touches a wall](../../pictures/chart_touched_wall.svg)
 
 Friction that is written as tanh (CO6, CO7). Explicit methods pay for their stability whatever the
 accuracy, at least as many evaluations as their longest step allows; radau does not. The statement
 `friction` has no such price:
 
-![Accuracy against evaluations of a block that creeps](../../pictures/chart_creep.svg)
+![A block that creeps](../../pictures/chart_creep.svg)
 """
 
 

@@ -151,8 +151,7 @@ static int can_be_chaotic(const struct pk_run *run)
 {
     const struct pk_system *system = run->problem.system;
     const size_t dimension = 2 * system->n - system->n_first_order;
-    return dimension > 2 || system->families.count || run->acts ||
-           !(system->facts & PK_AUTONOMOUS);
+    return dimension > 2 || system->families.count || run->acts || !(system->facts & PK_AUTONOMOUS);
 }
 
 static enum pk_status by_variation(struct lyapunov *l, struct pk_run *run, pk_real *most,
@@ -184,9 +183,8 @@ void diagnose_lyapunov(struct diagnostics *d)
     const struct pk_integrator *it = &l.variation.motion.it;
     pk_real *most = memory_take(&run->memory, 4 * s->n, sizeof *most);
     const char *why = NULL;
-    const enum pk_status status = run->acts
-                                      ? lyapunov_beside(&l, run, &run->memory, most, &why)
-                                      : by_variation(&l, run, most, &why);
+    const enum pk_status status = run->acts ? lyapunov_beside(&l, run, &run->memory, most, &why)
+                                            : by_variation(&l, run, most, &why);
     if (diagnose_told(d, status, why, it)) {
         const struct growth found = lyapunov_growth(&l);
         /* stored even for an unbounded motion, since round-off errors grow at this rate, too */
@@ -213,14 +211,16 @@ static void of_member(void *context)
     struct member *x = context;
     struct lyapunov l = {0};
     const pk_real end = x->motion.end;
-    const char *why;
-    const size_t reals = 4 * x->of->settings.n;
-    enum pk_status status =
-        x->of->acts ? lyapunov_beside(&l, x->of, x->motion.memory,
-                                      memory_take(x->motion.memory, reals, sizeof(pk_real)), &why)
-                    : lyapunov_begin(&l, &x->motion, end / LYAPUNOV_BLOCKS);
-    for (int k = 0; !x->of->acts && status >= 0 && k < LYAPUNOV_BLOCKS && l.variation.motion.it.t < end; k++)
-        status = lyapunov_step(&l);
+    enum pk_status status;
+    if (x->of->acts) {
+        pk_real *most = memory_take(x->motion.memory, 4 * x->of->settings.n, sizeof *most);
+        const char *why;
+        status = lyapunov_beside(&l, x->of, x->motion.memory, most, &why);
+    } else {
+        status = lyapunov_begin(&l, &x->motion, end / LYAPUNOV_BLOCKS);
+        for (int k = 0; status >= 0 && k < LYAPUNOV_BLOCKS && l.variation.motion.it.t < end; k++)
+            status = lyapunov_step(&l);
+    }
     if (status >= 0)
         x->exponent = lyapunov_growth(&l).exponent;
     pk_integrator_free(&l.variation.motion.it);

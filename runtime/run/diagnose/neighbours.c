@@ -65,8 +65,8 @@ static enum pk_status start(struct neighbour *x, struct pk_run *run, struct memo
     x->motion.memory = memory;
     x->state = memory_take(memory, 2 * run->settings.n + 2 * system->events.n, sizeof *x->state);
     x->actor = (struct pk_actor){.system = system, .params = run->settings.params};
-    x->actor.u = memcpy(memory_take(memory, m + 1, sizeof *x->state), run->settings.u,
-                        m * sizeof *x->state);
+    x->actor.u =
+        memcpy(memory_take(memory, m + 1, sizeof *x->state), run->settings.u, m * sizeof *x->state);
     for (size_t k = 0; k < system->contacts.n; k++) /* the run may have ended with closed ones */
         memset(x->actor.u + system->contacts.table[k].mode, 0, 3 * sizeof *x->state);
     PK_TRY(motion_begin(&x->motion));
@@ -206,7 +206,7 @@ static enum pk_status follow(struct lyapunov *l, struct neighbour *a, struct nei
         const pk_real part = PK_C(0.61803398874989484820458683436563812) * (pk_real)(i + 1);
         more[i] = NEAR * (part - PK_F(floor)(part) + PK_C(0.1)) * sizes[i];
     }
-    for (pk_real dt = l->block / 1024; !put(b, a, 0, more); dt *= 2) { /* the start is at an event */
+    for (pk_real dt = l->block / 1024; !put(b, a, 0, more); dt *= 2) { /* it starts at an event */
         if (!(dt < run->it.t))
             return refuse(a, "the function of an event that changes the motion stays 0");
         PK_TRY(both(a, b, it->t + dt, 0));
