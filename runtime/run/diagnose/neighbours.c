@@ -181,7 +181,7 @@ static enum pk_status renew(struct lyapunov *l, struct neighbour *a, struct neig
 static void measure(const struct pk_run *run, pk_real *sizes)
 {
     const struct settings *s = &run->settings;
-    for (int rates = 0; rates < 2; rates++) {
+    for (size_t rates = 0; rates < 2; rates++) {
         const size_t n = s->n, m = rates ? n : run->it.n_q;
         const pk_real *x = rates ? s->v : s->q, *y = rates ? run->it.v : run->it.q;
         const pk_real most = pk_max(pk_largest(x, m), pk_largest(y, m));
