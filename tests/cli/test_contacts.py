@@ -39,6 +39,16 @@ def test_no_pin_is_overlooked(method: str, pkgen) -> None:
     assert "expected: 2 of 2 met" in done.stderr
 
 
+def test_a_short_step_after_an_impact_goes_on(pkgen) -> None:
+    """An impact at a time just before a step of the grid was found again and again, for the gap was
+    still negative, by rounding, at the end of the step that was left."""
+    plate = ROOT / "tests/regimes/models/shaken_plate.lag"
+    grid = ("--method", "rk4", "--step", "0.1", "--every", "0.1")
+    done = pkgen("run", plate, *grid, "--until", 100)
+    assert done.returncode == 0, done.stderr
+    assert "event hit: 100 times" in done.stderr or "event hit: 99 times" in done.stderr
+
+
 def test_what_cannot_be_is_said(pkgen) -> None:
     below = pkgen("run", BALL, "--start", "y=-1", "--until", 1)
     assert below.returncode == 4

@@ -3,6 +3,7 @@
 from . import (
     beyond,
     chains,
+    contact,
     coupled,
     driven,
     ends,
@@ -14,6 +15,7 @@ from . import (
     maps,
     maps_drawn,
     modified,
+    noise,
     pendulum,
     resonance,
     rounding,
@@ -40,6 +42,8 @@ OWN = (
     sampled,
     knots,
     first_order,
+    contact,
+    noise,
 )
 
 PREDICTIONS = [entry for part in (*LISTED, *OWN) for entry in part.PREDICTIONS]

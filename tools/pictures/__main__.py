@@ -19,10 +19,23 @@ import live
 from rows import OUTPUT, ROOT, drawn
 
 CARD = ("bead_on_hoop", "coupled_oscillators", "double_pendulum", "elastic_pendulum", "heavy_top")
+# Of tests/regimes/models: a wall that is struck, one that is only touched, friction made smooth.
+REGIMES = {
+    "walled_pendulum": "8 --methods verlet,rk4,dopri5,dop853,gauss,radau",
+    "touched_wall": "2 --methods verlet,rk4,dopri5,dop853,gauss,radau",
+    "creep": "2 --methods rk4,dopri5,dop853,gauss,radau,radau5",
+}
 RUN = "run models/double_pendulum.lag --step 0.01 --until 100"
 # The commands, and the file that the last one leaves.
 COMMANDS: dict[str, tuple[list[str], str]] = {
     **{f"chart_{m}.svg": ([f"chart models/{m}.lag"], f"{m}_chart.svg") for m in CARD},
+    **{
+        f"chart_{m}.svg": (
+            [f"chart regimes/{m}.lag --cost evaluations --until {how}"],
+            f"{m}_chart.svg",
+        )
+        for m, how in REGIMES.items()
+    },
     **{f"stability_{m}.svg": ([f"stability models/{m}.lag"], f"{m}_stability.svg") for m in CARD},
     "plot_over_time.svg": (["plot models/double_pendulum.lag -o p.svg"], "p.svg"),
     "plot_path.svg": (
@@ -70,6 +83,7 @@ def commanded(name: str) -> bytes:
     lines, left = COMMANDS[name]
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "models").symlink_to(ROOT / "models")
+        Path(folder, "regimes").symlink_to(ROOT / "tests/regimes/models")
         for line in lines:
             words = [sys.executable, "-m", "pkgen", *shlex.split(line)]
             done = subprocess.run(words, cwd=folder, capture_output=True, text=True)

@@ -64,19 +64,24 @@ _REFUSED = {
         "--diagnose": (_NO_NOISE, "'spectrum' and 'area' alone are of its rows"),
     },
     "resetting": _changes("{} knows no values after events"),
-    **dict.fromkeys(("contacts", "frictions", "modes"), _changes("{} knows no contacts")),
+    "contacts": _changes("{} knows no contacts"),
+    "frictions": _changes("{} knows no friction"),
+    "modes": _changes("{} knows no modes"),
 }
 
 
-def refuse_statements(model: Model, what: str) -> None:
-    """Raises ModelError for the first statement that `what`, a command, does not run."""
+def refuse_statements(model: Model, what: str, but: Iterable[str] = ()) -> None:
+    """Raises ModelError for the first statement that `what`, a command, does not run. It runs those
+    in the fields `but`."""
     for field, refused in _REFUSED.items():
-        for item in getattr(model, field) if what in refused else ():
+        for item in getattr(model, field) if what in refused and field not in but else ():
             message, instead = refused[what]
             span = item.head if field == "samples" else item.span
             raise error(model, message.format(what), span, instead)
 
 
 def refuse_diagnostics(model: Model, names: Iterable[str]) -> None:
-    if {*names} - OF_ROWS:
-        refuse_statements(model, "--diagnose")
+    left = {*names} - OF_ROWS
+    if left:
+        changes = ("contacts", "resetting")  # a neighbour shows how fast motions part at these
+        refuse_statements(model, "--diagnose", changes if left == {"lyapunov"} else ())

@@ -132,19 +132,6 @@ struct growth lyapunov_growth(const struct lyapunov *l)
     return found;
 }
 
-/* Updates the largest |x - x(0)| of each coordinate and rate, 2 n numbers. The displacements, which
- * follow the n coordinates and first-order variables in the state of `it`, are skipped. */
-static void note(pk_real *most, const struct settings *s, const struct pk_integrator *it)
-{
-    const size_t n = s->n, seen = settings_coordinates(s);
-    for (size_t i = 0; i < 2 * n; i++) {
-        if (i >= seen && i < n)
-            continue;
-        const pk_real x = i < n ? it->q[i] - s->q[i] : it->v[i - n] - s->v[i - n];
-        most[i] = PK_F(fmax)(most[i], PK_F(fabs)(x));
-    }
-}
-
 /* Returns whether a motion leaves its start or rests; `most` has the excursions of both halves. */
 static int leaves(const pk_real *most, const struct settings *s)
 {
@@ -160,40 +147,53 @@ static int leaves(const pk_real *most, const struct settings *s)
     return !moves;
 }
 
-static int can_be_chaotic(const struct pk_system *system)
+static int can_be_chaotic(const struct pk_run *run)
 {
+    const struct pk_system *system = run->problem.system;
     const size_t dimension = 2 * system->n - system->n_first_order;
-    return dimension > 2 || system->families.count || !(system->facts & PK_AUTONOMOUS);
+    return dimension > 2 || system->families.count || run->acts || !(system->facts & PK_AUTONOMOUS);
+}
+
+static enum pk_status by_variation(struct lyapunov *l, struct pk_run *run, pk_real *most,
+                                   const char **why)
+{
+    const struct settings *s = &run->settings;
+    const struct motion m = motion_of(run);
+    const struct pk_integrator *it = &l->variation.motion.it;
+    /* Displacements that violate the constraints may grow although no allowed motion does. */
+    *why = s->system->constraints.n ? diagnose_not_free(s->system) : NULL;
+    enum pk_status status = *why ? PK_REFUSED : lyapunov_begin(l, &m, m.end / LYAPUNOV_BLOCKS);
+    for (int k = 0; status >= 0 && k < LYAPUNOV_BLOCKS && it->t < m.end; k++) {
+        status = lyapunov_step(l);
+        motion_note(most + (2 * k >= LYAPUNOV_BLOCKS ? 2 * s->n : 0), s, it);
+        if (run_stopped(run, (double)(it->t / m.end)))
+            break;
+    }
+    if (!*why && status == PK_REFUSED)
+        *why = diagnose_no_variation(run);
+    return status;
 }
 
 void diagnose_lyapunov(struct diagnostics *d)
 {
     static const char *const kinds[] = {"regular", "chaotic", "undecided"};
-    const struct settings *s = &d->run->settings;
-    const struct motion m = motion_of(d->run);
+    struct pk_run *run = d->run;
+    const struct settings *s = &run->settings;
     struct lyapunov l = {0};
     const struct pk_integrator *it = &l.variation.motion.it;
-    pk_real *most = memory_take(m.memory, 4 * s->n, sizeof *most);
-    /* Displacements that violate the constraints may grow although no allowed motion does. */
-    const char *why = s->system->constraints.n ? diagnose_not_free(s->system) : NULL;
-    enum pk_status status = why ? PK_REFUSED : lyapunov_begin(&l, &m, m.end / LYAPUNOV_BLOCKS);
-    for (int k = 0; status >= 0 && k < LYAPUNOV_BLOCKS && it->t < m.end; k++) {
-        status = lyapunov_step(&l);
-        note(most + (2 * k >= LYAPUNOV_BLOCKS ? 2 * s->n : 0), s, it);
-        if (run_stopped(d->run, (double)(it->t / m.end)))
-            break;
-    }
-    if (!why && status == PK_REFUSED)
-        why = diagnose_no_variation(d->run);
+    pk_real *most = memory_take(&run->memory, 4 * s->n, sizeof *most);
+    const char *why = NULL;
+    const enum pk_status status = run->acts ? lyapunov_beside(&l, run, &run->memory, most, &why)
+                                            : by_variation(&l, run, most, &why);
     if (diagnose_told(d, status, why, it)) {
         const struct growth found = lyapunov_growth(&l);
         /* stored even for an unbounded motion, since round-off errors grow at this rate, too */
         if (found.kind == CHAOTIC)
             d->exponent = (double)found.exponent;
         json_reals(&d->json, {"exponent", found.exponent}, {"error", found.error},
-                   {"megno", found.megno}, {"time", it->t});
+                   {"megno", found.megno}, {"time", run->acts ? run->it.t : it->t});
         json_text(&d->json, "motion",
-                  found.kind == CHAOTIC && (leaves(most, s) || !can_be_chaotic(s->system))
+                  found.kind == CHAOTIC && (leaves(most, s) || !can_be_chaotic(run))
                       ? "leaving"
                       : kinds[found.kind]);
     }
@@ -201,6 +201,7 @@ void diagnose_lyapunov(struct diagnostics *d)
 }
 
 struct member {
+    struct pk_run *of;
     struct motion motion;
     pk_real exponent;
 };
@@ -210,9 +211,16 @@ static void of_member(void *context)
     struct member *x = context;
     struct lyapunov l = {0};
     const pk_real end = x->motion.end;
-    enum pk_status status = lyapunov_begin(&l, &x->motion, end / LYAPUNOV_BLOCKS);
-    for (int k = 0; status >= 0 && k < LYAPUNOV_BLOCKS && l.variation.motion.it.t < end; k++)
-        status = lyapunov_step(&l);
+    enum pk_status status;
+    if (x->of->acts) {
+        pk_real *most = memory_take(x->motion.memory, 4 * x->of->settings.n, sizeof *most);
+        const char *why;
+        status = lyapunov_beside(&l, x->of, x->motion.memory, most, &why);
+    } else {
+        status = lyapunov_begin(&l, &x->motion, end / LYAPUNOV_BLOCKS);
+        for (int k = 0; status >= 0 && k < LYAPUNOV_BLOCKS && l.variation.motion.it.t < end; k++)
+            status = lyapunov_step(&l);
+    }
     if (status >= 0)
         x->exponent = lyapunov_growth(&l).exponent;
     pk_integrator_free(&l.variation.motion.it);
@@ -222,9 +230,9 @@ static void of_member(void *context)
 pk_real diagnose_exponent(struct pk_run *of)
 {
     struct memory memory = {0};
-    struct member x = {motion_of(of), (pk_real)NAN};
+    struct member x = {of, motion_of(of), (pk_real)NAN};
     x.motion.memory = &memory;
-    if (!of->problem.system->constraints.n)
+    if (of->acts || !of->problem.system->constraints.n)
         memory_try(&memory, of_member, &x);
     memory_end(&memory);
     return x.exponent;

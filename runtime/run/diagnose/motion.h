@@ -18,6 +18,9 @@ struct motion {
 
 /* Starts m->it at the state of the motion. May be called again. */
 enum pk_status motion_begin(struct motion *m);
+/* Updates the largest |x - x(0)| of each coordinate and rate, 2 n numbers. The displacements, which
+ * may follow the n coordinates and first-order variables in the state of `it`, are skipped. */
+void motion_note(pk_real *most, const struct settings *s, const struct pk_integrator *it);
 
 /* A motion together with small displacements of it: a system made from another system, with 1 +
  * columns times as many coordinates,
@@ -125,6 +128,10 @@ enum pk_status lyapunov_begin(struct lyapunov *l, const struct motion *m, pk_rea
 /* Integrates over one block, at most LYAPUNOV_BLOCKS times. Returns the integrator's status. */
 enum pk_status lyapunov_step(struct lyapunov *l);
 struct growth lyapunov_growth(const struct lyapunov *l);
+/* The same for the motion of a run that events change at once, from a neighbour of it. Writes the
+ * reason of a failure to *why, and the excursions of both halves of the motion to `most`. */
+enum pk_status lyapunov_beside(struct lyapunov *l, struct pk_run *run, struct memory *memory,
+                               pk_real *most, const char **why);
 
 /* Time reversal: steps from the start to a time and the same number backward. A symmetric method
  * returns to the start except for round-off. A chaotic motion amplifies round-off like any

@@ -265,23 +265,33 @@ static enum pk_status seek(struct pk_events *e, struct pk_integrator *it)
     return PK_DONE;
 }
 
-/* A function that was given room (pk/act.h) is positive from the start of a motion on, whatever
- * rounding says: if it is at the first sample, it is looked at from there. */
+/* The function of a contact is positive from the start of a motion on, whatever rounding says. If it
+ * was given room (pk/act.h) and is positive at the first sample, it is looked at from there. If it
+ * was found closed a little late, it is looked at from the first sample where it is positive. */
 static enum pk_status begin_late(struct pk_events *e, struct pk_integrator *it)
 {
-    const pk_real x = pk_abs(it->t - e->from) * (1 - pk_events_cosines[1]) / 2;
-    pk_real *g = NULL;
-    for (size_t k = 0; k < e->n_events; k++) {
-        if (!(e->off[k] < 0) || !(e->held[k] > 0) || pk_finite(e->held[k]))
-            continue;
-        if (!g) {
-            const pk_real t = pk_events_time(e, it, x);
-            PK_TRY(pk_events_reach(e, it, t));
-            g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
-            pk_events_functions(e, it, t, e->trial, e->trial_v, g);
+    const pk_real h = pk_abs(it->t - e->from), *begin = pk_events_end(e, 0);
+    pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
+    for (int j = 1, most = 1; j <= most; j++) {
+        const pk_real x = h * (1 - pk_events_cosines[j]) / 2, t = pk_events_time(e, it, x);
+        int known = 0;
+        for (size_t k = 0; k < e->n_events; k++) {
+            const int late = !(begin[k] < 0) && begin[k] <= PK_TINY;
+            if (!(late || (j == 1 && e->off[k] < 0)) || !(e->held[k] > 0) ||
+                pk_finite(e->held[k]) || e->shapes[k].last_x > 0)
+                continue;
+            if (!known) {
+                PK_TRY(pk_events_reach(e, it, t));
+                pk_events_functions(e, it, t, e->trial, e->trial_v, g);
+                known = 1;
+            }
+            if (j == PK_MOST_SAMPLES && h <= 64 * PK_EPS * pk_abs(it->t))
+                g[k] = pk_max(g[k], PK_TINY); /* a step of rounding is too short to open it */
+            if (g[k] > 0)
+                e->shapes[k].last_x = x, e->shapes[k].last_g = g[k];
+            else if (late)
+                most = PK_MOST_SAMPLES;
         }
-        if (g[k] > 0)
-            e->shapes[k].last_x = x, e->shapes[k].last_g = g[k];
     }
     return PK_DONE;
 }
