@@ -326,7 +326,8 @@ enum pk_status pk_reactions(struct pk_actor *a, struct pk_integrator *it, struct
         const int ties = p.kind[i] == PK_RUB && p.state[i] == 1 &&
                          bound - pk_abs(p.x[i]) <= 10 * ROUND * bound;
         a->clings[k] = ties ? -100 * ROUND * bound * bound : 0;
-        a->idle[k] = depends[i] && p.kind[i] != PK_OUT && p.kind[i] != PK_SLIP;
+        a->idle[k] = depends[i] && p.kind[i] != PK_OUT && p.kind[i] != PK_SLIP &&
+                     pk_abs(r->acceleration[i]) <= ROUND * size + r->of_acceleration[i];
         a->state[k] = (pk_real)(p.state[i] == 1 && depends[i] ? 0 : p.state[i]);
         if (all->table[k].kind == PK_FRICTION && p.of[i] < p.c && !(pk_complement_push(&p, i) > 0))
             a->state[k] = 0;
