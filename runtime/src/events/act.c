@@ -226,35 +226,47 @@ static enum pk_status go_on(struct pk_actor *a, struct pk_integrator *it)
     return pk_integrator_set_step(it, pk_min(a->events->tried, LONGER * since));
 }
 
-/* The function of an event that gave values is 0 up to rounding, unless a value changed it. It goes
- * on to the side to which the new motion leads, and does not cross 0 on this way. */
-static void leave(struct pk_actor *a, struct pk_integrator *it)
+/* Returns 1 if event k gave values, and 2 if it turns on a latch that has just been turned off. */
+static int is_left(const struct pk_actor *a, size_t k)
 {
     const struct pk_system *system = a->system;
+    int left = 0;
+    for (size_t i = 0; i < system->resets.n; i++)
+        left |= system->resets.table[i].event == k && happened(a, k);
+    for (size_t i = 0; i < system->contacts.n; i++) {
+        const struct pk_contact *x = &system->contacts.table[i];
+        left |= x->kind == PK_LATCH && x->event == k && happened(a, x->open) ? 2 : 0;
+    }
+    return left;
+}
+
+/* The function of such an event is 0 up to rounding, unless a value changed it. It goes on to the
+ * side to which the new motion leads, and does not cross 0 on this way. */
+static void leave(struct pk_actor *a, struct pk_integrator *it)
+{
+    const pk_real part = PK_C(1e-3);
     struct pk_events *e = a->events;
-    const size_t n_q = a->n_q, n = a->n;
-    int near = 0;
-    if (!e || !(e->tried > 0))
+    const size_t n_q = a->n_q, n = a->n, count = a->system->events.n;
+    int left = 0;
+    for (size_t k = 0; k < count; k++)
+        left |= is_left(a, k);
+    if (!left || !e || !(e->tried > 0) || pk_eval_acceleration(it, it->t, it->q, it->v, e->a0) < 0)
         return;
-    const pk_real h = PK_C(1e-6) * (e->limit < it->t ? -e->tried : e->tried);
+    const pk_real h = part * (e->limit < it->t ? -e->tried : e->tried);
     pk_real *now = pk_events_sample(e, 0), *ahead = pk_events_sample(e, 1), *q = a->before;
     pk_events_functions(e, it, it->t, it->q, it->v, now);
-    for (size_t i = 0; i < system->resets.n; i++) {
-        const size_t k = system->resets.table[i].event;
-        near |= a->happened[k] > 0 && pk_abs(now[k]) <= pk_abs(e->held[k]);
-    }
-    if (!near || pk_eval_acceleration(it, it->t, it->q, it->v, e->a0) < 0)
-        return;
     for (size_t k = 0; k < n; k++)
         q[n_q + k] = it->v[k] + h * e->a0[k];
     for (size_t k = 0; k < n_q; k++)
         q[k] = it->q[k] + h * (it->v[k] + q[n_q + k]) / 2;
     pk_events_functions(e, it, it->t + h, q, q + n_q, ahead);
-    for (size_t i = 0; i < system->resets.n; i++) {
-        const size_t k = system->resets.table[i].event;
+    for (size_t k = 0; k < count; k++) {
         const pk_real rounding = pk_abs(e->held[k]), way = ahead[k] - now[k];
-        if (a->happened[k] > 0 && pk_abs(now[k]) <= rounding && pk_abs(way) > rounding)
+        const int how = pk_abs(now[k]) <= rounding ? is_left(a, k) : 0;
+        if (how && pk_abs(way) > (how > 1 ? 0 : rounding))
             e->held[k] = way > 0 ? rounding : -rounding;
+        if (how > 1) /* it begins at rest, and is less than its rounding for a while */
+            e->off[k] = -part * way;
     }
     pk_switches_leave(e, it);
 }
