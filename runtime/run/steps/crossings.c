@@ -131,6 +131,7 @@ enum pk_status crossings_sample(struct pk_run *run)
     const struct settings *s = &run->settings;
     struct pk_integrator *it = &run->it;
     const size_t m = it->t > 0 && run->crossed ? events->n : 0;
+    const int due = pk_sampler_is_due(&run->sampler, it);
     pk_real *before = run->event_values, *after = before + m;
     if (m)
         events->values(s->params, it->t, it->q, it->v, s->u, before);
@@ -144,6 +145,9 @@ enum pk_status crossings_sample(struct pk_run *run)
             !(falls && events->table[k].direction <= 0))
             continue;
         observe_crossing(run, k, run_moment(run));
+        run->events.which = k;
+        if (run->acts)
+            pk_actor_note(&run->actor, &run->events);
         run->at_event = s->asked.at == k + 1;
         if (run->at_event)
             observe_row(run, run_moment(run));
@@ -153,13 +157,16 @@ enum pk_status crossings_sample(struct pk_run *run)
             status = it->status = PK_STOPPED_EVENT;
         }
     }
-    return status;
+    /* other forces may let go what holds */
+    const int acts = due && status >= 0 && (run->actor.acting || run->bare.contacts.n);
+    return acts ? pk_actor_run(&run->actor, it) : status;
 }
 
 enum pk_status crossings_to(struct pk_run *run, pk_real t, int one_step, int seen)
 {
     struct pk_integrator *it = &run->it;
     enum pk_status status = PK_DONE;
+    seen |= run->acts > 0;
     if (run->bare.samples.n && t < it->t) {
         run_say(run, "a model with sample blocks goes forward in time");
         return PK_BAD_ARGUMENT;
