@@ -36,11 +36,14 @@ static int found(void *context, const struct pk_events *events)
     return run->write_failed || run->actor.acting;
 }
 
-/* Changes the motion if the step has ended at an event that does. */
+/* Changes the motion if the step has ended at an event that does, or where a closed gap has a kink,
+ * behind which the rates break it. */
 static enum pk_status act(struct pk_run *run, enum pk_status status)
 {
-    return status == PK_STOPPED_EVENT && run->actor.acting ? pk_actor_run(&run->actor, &run->it)
-                                                           : status;
+    const int kink = status == PK_OFF_CONSTRAINTS && run->acts &&
+                     (run->events.at_switch || run->events.again);
+    const int acts = kink || (status == PK_STOPPED_EVENT && run->actor.acting);
+    return acts ? pk_actor_run(&run->actor, &run->it) : status;
 }
 
 static void doubtful(void *context, const struct pk_events *events)
@@ -78,8 +81,12 @@ enum pk_run_code crossings_begin(struct pk_run *run)
     run->events.doubtful = doubtful;
     run->events.context = run;
     run->actor.events = &run->events;
-    if (run->acts)
-        pk_actor_watch(&run->actor, &run->it);
+    if (!run->acts)
+        return PK_RUN_DONE;
+    pk_real *const work = memory_take(memory, run->acts, sizeof *work);
+    if (pk_actor_start(&run->actor, &run->it, work) < 0)
+        return PK_RUN_FAILED;
+    pk_actor_watch(&run->actor, &run->it);
     return PK_RUN_DONE;
 }
 

@@ -317,6 +317,19 @@ void pk_actor_watch(struct pk_actor *a, const struct pk_integrator *it)
     pk_switches_leave(a->events, it);
 }
 
+/* At a kink the switches of the events know on which side the motion is, or begins. */
+static enum pk_status change_at_kink(struct pk_actor *a, struct pk_integrator *it, pk_real within)
+{
+    const void *const given = it->problem.params, *const own = a->params;
+    pk_switches_enter(a->events, it);
+    enum pk_status status = within > 0 ? pk_switches_settle(a->events, it) : PK_DONE;
+    a->params = it->problem.params;
+    status = status < 0 ? status : change(a, it, within);
+    it->problem.params = given;
+    a->params = own;
+    return it->status = status;
+}
+
 enum pk_status pk_actor_start(struct pk_actor *a, struct pk_integrator *it, pk_real *work)
 {
     const struct pk_contact *table = a->system->contacts.table;
@@ -332,7 +345,9 @@ enum pk_status pk_actor_start(struct pk_actor *a, struct pk_integrator *it, pk_r
         a->u[table[k].mode] = table[k].kind == PK_LATCH && table[k].flag;
         a->u[table[k].mode + 1] = a->u[table[k].mode + 2] = 0;
     }
-    return it->status = a->system->contacts.n ? change(a, it, WRITTEN) : PK_DONE;
+    if (!a->system->contacts.n)
+        return it->status = PK_DONE;
+    return it->status = a->events ? change_at_kink(a, it, WRITTEN) : change(a, it, WRITTEN);
 }
 
 enum pk_status pk_actor_run(struct pk_actor *a, struct pk_integrator *it)
@@ -345,7 +360,8 @@ enum pk_status pk_actor_run(struct pk_actor *a, struct pk_integrator *it)
         return it->status =
                    pk_fail_with(it, PK_NO_PROGRESS,
                                 PK_WHY(.kind = PK_REASON_CROWD, .value = a->crowd, .time = passed));
-    return it->status = change(a, it, 0);
+    return it->status = it->status == PK_OFF_CONSTRAINTS ? change_at_kink(a, it, 0)
+                                                         : change(a, it, 0);
 }
 
 void pk_actor_keep(struct pk_actor *a, struct pk_keep *k)

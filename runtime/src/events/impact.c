@@ -20,7 +20,9 @@ static void sizes(struct pk_actor *a, struct rows *r)
     const int failed = w->system->acceleration(a->params, w->t, a->next, v, a->u, a->before);
     for (int what = 0; what < 3 - (failed != 0); what++)
         for (size_t k = 0; k < (what ? w->m : w->rotation); k++) {
-            const pk_real size = PK_F(sqrt)(pk_project_mass(w, k)) * pk_abs(numbers[what][k]);
+            const pk_real way = what ? 0 : pk_abs(v[k] * (w->t - a->changed)); /* since the last */
+            const pk_real number = pk_max(way, pk_abs(numbers[what][k])),
+                          size = PK_F(sqrt)(pk_project_mass(w, k)) * number;
             a->most[what] = pk_finite(size) ? pk_max(a->most[what], size) : a->most[what];
         }
     pk_project_slopes(w, a->next, v, w->J, w->c, w->mu);

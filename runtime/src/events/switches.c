@@ -57,11 +57,20 @@ static int is_free(const struct pk_events *e, size_t k)
     return !(e->sides[k] < 0 || e->sides[k] > 0);
 }
 
+/* Computes a place that is ahead of q by rounding, where a motion shows to which side it leads. */
+static void look_ahead(const struct pk_integrator *it, pk_real *ahead)
+{
+    const pk_real size = 4 * PK_EPS * pk_largest(it->q, it->n_q) + PK_TINY;
+    const pk_real most = pk_max(pk_largest(it->v, it->n_q), PK_TINY);
+    for (size_t k = 0; k < it->n_q; k++)
+        ahead[k] = it->q[k] + size * (it->v[k] / most);
+}
+
 /* Sets the sides of all switches. Repeats this until no side changes, since the argument of a
  * switch may contain other switches. */
 enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
 {
-    pk_real *x = pk_events_sample(e, PK_MOST_SAMPLES + 1);
+    pk_real *x = pk_events_sample(e, PK_MOST_SAMPLES + 1), *ahead = pk_events_sample(e, 0);
     int changed = 1, reset = 0;
     e->kept = goes_on(e, it);
     if (e->n_switches == 0)
@@ -74,9 +83,11 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
         if (round > e->n_switches + 1)
             return pk_fail(it, PK_SLIDING, 0);
         changed = 0;
+        look_ahead(it, e->trial);
+        pk_switches_values(e, it, it->t, e->trial, it->v, ahead);
         pk_switches_values(e, it, it->t, it->q, it->v, x);
         for (size_t k = 0; k < e->n_switches; k++) {
-            /* An argument of exactly 0 counts as positive, since step(0) = 1. */
+            /* An argument that stays 0 counts as positive, since step(0) = 1. */
             const pk_real was = e->sides[k];
             e->fresh[k] = 0;
             if (e->kept && pk_switches_impulse(it, k))
@@ -85,10 +96,10 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
             e->fresh[k] = x[k] > zero || x[k] < zero ? 0 : 1;
             if (pk_switches_counted(it, k))
                 e->sides[k] = 2 * zero + 1;
-            else if (e->kept && e->fresh[k] > 0 && is_free(e, k))
-                continue;
+            else if (e->kept && e->fresh[k] > 0 && !(was <= 0 && was >= 0))
+                continue; /* it has a side, or is free */
             else
-                e->sides[k] = x[k] < 0 ? -1 : 1;
+                e->sides[k] = (e->fresh[k] > 0 ? ahead : x)[k] < 0 ? -1 : 1;
             changed |= !(e->sides[k] >= was && e->sides[k] <= was);
         }
         reset |= changed;
