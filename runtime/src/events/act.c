@@ -12,6 +12,7 @@
 #define CROWDED PK_C(1e-9)
 enum { MOST = 10000 };
 #define LONGER PK_C(8.0)
+#define NEAR PK_C(1e4) /* a rate that an event found 0 is so many roundings from it, else it jumped */
 
 static size_t lay_out(struct pk_actor *a, const struct pk_problem *problem, pk_real *base)
 {
@@ -147,8 +148,9 @@ static enum pk_status settle(struct pk_actor *a, struct pk_integrator *it, struc
         again = 0;
         for (size_t k = 0; k < e; k++) {
             const size_t row = table[k].row;
-            const int still = pk_act_still(r, row) || happened(a, table[k].open) ||
-                              (table[k].kind == PK_FRICTION && happened(a, table[k].event));
+            const int told = happened(a, table[k].open) ||
+                             (table[k].kind == PK_FRICTION && happened(a, table[k].event));
+            const int still = pk_abs(r->w.rate[row]) <= (told ? NEAR : 1) * r->of_rate[row];
             a->state[k] = table[k].kind == PK_CONTACT
                               ? a->touches[k] > 0 && (still || pk_finite(a->seen[k].rests))
                           : table[k].kind == PK_FRICTION && !still ? (r->w.rate[row] > 0 ? 2 : -2)
