@@ -12,7 +12,8 @@
 #define CROWDED PK_C(1e-9)
 enum { MOST = 10000 };
 #define LONGER PK_C(8.0)
-#define NEAR PK_C(1e4) /* a rate that an event found 0 is so many roundings from it, else it jumped */
+#define NEAR \
+    PK_C(1e4) /* a rate that an event found 0 is so many roundings from it, else it jumped */
 
 static size_t lay_out(struct pk_actor *a, const struct pk_problem *problem, pk_real *base)
 {

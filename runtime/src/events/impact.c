@@ -18,11 +18,13 @@ static void sizes(struct pk_actor *a, struct rows *r)
     struct pk_projection *w = &r->w;
     const pk_real *v = a->next + a->n_q, *numbers[3] = {a->next, v, a->before};
     const int failed = w->system->acceleration(a->params, w->t, a->next, v, a->u, a->before);
-    for (int what = 0; what < 3 - (failed != 0); what++)
+    const int count = 3 - (failed != 0);
+    for (int what = 0; what < count; what++)
         for (size_t k = 0; k < (what ? w->m : w->rotation); k++) {
-            const pk_real way = what ? 0 : pk_abs(v[k] * (w->t - a->changed)); /* since the last */
-            const pk_real number = pk_max(way, pk_abs(numbers[what][k])),
-                          size = PK_F(sqrt)(pk_project_mass(w, k)) * number;
+            const pk_real *change = what + 1 < count ? numbers[what + 1] : NULL;
+            const pk_real way = change ? change[k] * (w->t - a->changed) : 0; /* since the last */
+            const pk_real number = pk_max(pk_abs(way), pk_abs(numbers[what][k]));
+            const pk_real size = PK_F(sqrt)(pk_project_mass(w, k)) * number;
             a->most[what] = pk_finite(size) ? pk_max(a->most[what], size) : a->most[what];
         }
     pk_project_slopes(w, a->next, v, w->J, w->c, w->mu);
