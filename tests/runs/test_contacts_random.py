@@ -399,7 +399,8 @@ def switched(d: Draft, folder: Path) -> None:
         slopes = (np.diff(ys) / np.diff(xs)).tolist()
         own = f"({ys[0]} + ({slopes[0]!r})*({at} - ({xs[0]})))"
         for k in range(1, len(slopes)):
-            own += f" + ({slopes[k] - slopes[k - 1]!r})*({at} - ({xs[k]}))*{d.held(f'{at} - ({xs[k]})')}"
+            more, beyond = slopes[k] - slopes[k - 1], f"{at} - ({xs[k]})"
+            own += f" + ({more!r})*({beyond})*{d.held(beyond)}"
         d.holds[text] = own
     cell = d.chance(0.25)
     if cell:
@@ -646,7 +647,8 @@ start x' = -1, x = -0.2"""
     ],
     ids=str.split(
         "bends_up bends_down begins_on_a_roof begins_in_a_valley wall_starts belt_starts belt_turns"
-        " two_frictions_part bound_below_0 mu_below_0 sample_opens sample_gives_values latch_at_rest"
+        " two_frictions_part bound_below_0 mu_below_0 sample_opens"
+        " sample_gives_values latch_at_rest"
     ),
 )
 def test_what_changes_at_once(text: str, until: float, x: float, tmp_path: Path) -> None:
