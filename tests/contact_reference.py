@@ -59,7 +59,8 @@ class System:
     contacts: list[Contact] = field(default_factory=list)
     frictions: list[Friction] = field(default_factory=list)
     constraints: list[str] = field(default_factory=list)
-    latches: list[str] = field(default_factory=list)  # constraints that begin off
+    latches: list[str] = field(default_factory=list)  # constraints that hold at times
+    on: bool = False  # whether they hold at the start
     switches: list[str] = field(default_factory=list)  # held0, ... are 1 where these are positive
     events: list[Event] = field(default_factory=list)
     cells: dict[str, tuple[float, str]] = field(default_factory=dict)  # start, value at a sample
@@ -424,7 +425,8 @@ class Motion:
         t, s = 0.0, np.array(start)
         self.cells = [value for value, _ in self.s.cells.values()]
         self.held: list[int] = [0] * len(self.s.switches)
-        self.lost, self.live = [0.0] * len(self.gaps), set()
+        self.lost = [0.0] * len(self.gaps)
+        self.live = set(range(len(self.s.latches) if self.s.on else 0))
         self.sides = [1] * len(self.s.events)
         self.shut, self.stuck, self.slides = [], [], {}
         rows, log, last = [], [], {}

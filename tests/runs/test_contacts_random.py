@@ -49,18 +49,20 @@ class Draft:
         self.system.switches.append(condition)
         return f"held{len(self.system.switches) - 1}"
 
-    def kink(self, x: str) -> tuple[str, str]:
-        """Returns a function of x with a kink or a jump of its slope, and the reference's."""
+    def kink(self, x: str) -> tuple[str, str, float]:
+        """Returns a function of x with a kink, the reference's, and its value at the start."""
         a, b, c = self.number(-0.5, 0.5), self.number(-0.4, 0.4), self.number(-0.4, 0.4)
         condition = f"{x} - ({a})"
         own = f"(({b}) + ({c} - ({b}))*{self.held(condition)})*({condition})"
+        at = self.start[x] - a
+        value = at * (c if at > 0 else b)
         way = self.draw.choice(("if", "ends", "step"))
         if way == "if":
-            return f"if({condition} > 0, ({c})*({condition}), ({b})*({condition}))", own
+            return f"if({condition} > 0, ({c})*({condition}), ({b})*({condition}))", own, value
         if way == "step":
-            return f"(({b}) + ({c} - ({b}))*step({condition}))*({condition})", own
+            return f"(({b}) + ({c} - ({b}))*step({condition}))*({condition})", own, value
         end = "max" if c > b else "min"
-        return f"{end}(({b})*({condition}), ({c})*({condition}))", own
+        return f"{end}(({b})*({condition}), ({c})*({condition}))", own, value
 
     def contact(self, gap: str, slip: str = "", own: str = "", along: str = "") -> None:
         """Adds a contact; `own` is the gap as the reference has it."""
@@ -171,8 +173,12 @@ def points(d: Draft) -> None:
         kind = d.draw.choice(("floor", "slanted", "bowl", "ball", "parabola", "bent", "bent"))
         if kind == "floor":
             d.contact(f"{y}{moved(d)}", f"{x}'")
+            if d.chance(0.3):  # it begins there
+                d.start[y], d.start[f"{y}'"] = 0.0, d.draw.choice((0.0, d.start[f"{y}'"]))
         elif kind == "bent":
-            text, own = d.kink(x)
+            text, own, value = d.kink(x)
+            if d.chance(0.3):
+                d.start[y], d.start[f"{y}'"] = value, d.draw.choice((0.0, d.start[f"{y}'"]))
             d.lines.append(f"let s{k} = {x}'")
             d.contact(f"{y} - {text}", f"{x}'", f"{y} - {own}", f"s{k}")
         elif kind == "slanted":
@@ -435,6 +441,9 @@ def switched(d: Draft, folder: Path) -> None:
         d.lines.append(f"event jolt: {condition}{' falling' * falling} then {values}")
     if d.chance(0.3):
         hook = f"{q if q != at and d.chance(0.5) else 0} - {at} - ({d.number(-0.4, 0.4)})"
+        if d.chance(0.3) and not s.constraints:  # it begins on
+            hook, d.start[f"{at}'"] = f"{d.start[at]} - {at}", 0.0
+            s.on, d.start["latch"] = True, 1
         off = f"sin({d.number(1, 5)}*t + {d.number(0, 3)})"
         falls = [" falling" * d.chance(0.6) for _ in range(2)]
         s.latches.append(hook)
