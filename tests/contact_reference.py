@@ -525,6 +525,8 @@ class Motion:
                 self.sides[i] = 1 if x > 0 else -1
         if any(p["phi"][i] < -CLOSE for i in self.gaps):
             raise Doubt("a value after an event violates a gap")
+        if any(abs(p["phi"][i]) > CLOSE for i in self.fixed):
+            raise Doubt("a value after an event breaks a constraint")
         return s
 
     def fly(self, t: float, s: np.ndarray, end: float, times: np.ndarray):

@@ -534,6 +534,7 @@ def compared(seed: int, folder: Path) -> dict:
             [len(run.events[f"c{k}"]) for k in range(len(lost))],
         )
         found["lost"] = abs(sum(mine) - sum(lost)) / max(1.0, sum(map(abs, lost)))
+        found["each"] = max(abs(a - b) for a, b in zip(mine, lost)) / max(1.0, sum(map(abs, lost)))
     return found
 
 
@@ -673,6 +674,13 @@ def test_friction_is_of_the_force_whatever_the_scale_of_the_gap(tmp_path: Path) 
     r = ran(tmp_path, text, 1, "gauss", every=1)
     along = 10 * (math.sin(a) - 0.2 * math.cos(a)) / 2
     assert math.hypot(r["x"][-1], r["y"][-1]) == pytest.approx(along, rel=1e-10)
+
+
+@pytest.mark.parametrize("contact", ["", "contact c: x + 9 >= 0\n"])
+def test_a_value_that_breaks_a_constraint_ends_the_run(contact: str, tmp_path: Path) -> None:
+    text = "coord x, y\nkinetic (x'^2 + y'^2)/2\nconstraint h: y = x\n"
+    with pytest.raises(Exception, match="breaks a constraint: h by"):
+        ran(tmp_path, f"{text}{contact}event e: t - 1 then y = y + 1", 2, "gauss", every=1)
 
 
 @pytest.mark.parametrize(

@@ -76,7 +76,8 @@ static enum pk_status fail(struct pk_integrator *it, size_t index, pk_real gap)
 }
 
 /* Finds the contacts whose gap is closed. A gap that has just been found closed by its event is, and
- * one that was closed, unless values after an event have changed it. */
+ * one that was closed, unless values after an event have changed it. Fails at a constraint that
+ * these values break. */
 static enum pk_status touch(struct pk_actor *a, struct pk_integrator *it, struct rows *r,
                             pk_real within)
 {
@@ -92,6 +93,15 @@ static enum pk_status touch(struct pk_actor *a, struct pk_integrator *it, struct
         if (!holds && gap < -WRITTEN * size - r->of_gap[x->row])
             return fail(it, k, gap);
         a->touches[k] = holds || pk_abs(gap) <= within * size + r->of_gap[x->row];
+    }
+    for (size_t row = 0; row < a->system->constraints.n_holonomic; row++) {
+        const struct pk_contact *x = &a->system->contacts.table[r->of[row]];
+        const int always = r->of[row] == a->system->contacts.n;
+        const pk_real off = pk_abs(r->w.phi[row]);
+        if ((always || (x->kind == PK_LATCH && a->u[x->mode] > 0)) &&
+            off > WRITTEN * r->w.phi_size[row] + NEAR * r->of_gap[row])
+            return pk_fail_with(it, PK_OFF_CONSTRAINTS,
+                                PK_WHY(.kind = PK_REASON_ROW, .index = row, .value = off));
     }
     return PK_DONE;
 }
