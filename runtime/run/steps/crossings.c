@@ -40,8 +40,7 @@ static int found(void *context, const struct pk_events *events)
  * behind which the rates break it. */
 static enum pk_status act(struct pk_run *run, enum pk_status status)
 {
-    const int kink = status == PK_OFF_CONSTRAINTS && run->acts &&
-                     (run->events.at_switch || run->events.again);
+    const int kink = status == PK_OFF_CONSTRAINTS && run->acts && run->events.at_switch;
     const int acts = kink || (status == PK_STOPPED_EVENT && run->actor.acting);
     return acts ? pk_actor_run(&run->actor, &run->it) : status;
 }
