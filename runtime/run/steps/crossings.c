@@ -36,12 +36,11 @@ static int found(void *context, const struct pk_events *events)
     return run->write_failed || run->actor.acting;
 }
 
-/* Changes the motion if the step has ended at an event that does, or where a closed gap has a kink,
- * behind which the rates break it. */
+/* Changes the motion at an event that does, or where its rates break a closed gap behind a kink. */
 static enum pk_status act(struct pk_run *run, enum pk_status status)
 {
-    const int kink = status == PK_OFF_CONSTRAINTS && run->acts && run->events.at_switch;
-    const int acts = kink || (status == PK_STOPPED_EVENT && run->actor.acting);
+    const int acts = status == PK_OFF_CONSTRAINTS ? run->acts && run->events.at_switch
+                                                  : status == PK_STOPPED_EVENT && run->actor.acting;
     return acts ? pk_actor_run(&run->actor, &run->it) : status;
 }
 
@@ -80,13 +79,9 @@ enum pk_run_code crossings_begin(struct pk_run *run)
     run->events.doubtful = doubtful;
     run->events.context = run;
     run->actor.events = &run->events;
-    if (!run->acts)
-        return PK_RUN_DONE;
     pk_real *const work = memory_take(memory, run->acts, sizeof *work);
-    if (pk_actor_start(&run->actor, &run->it, work) < 0)
-        return PK_RUN_FAILED;
-    pk_actor_watch(&run->actor, &run->it);
-    return PK_RUN_DONE;
+    const int starts = !run->acts || pk_actor_start(&run->actor, &run->it, work) >= 0;
+    return starts ? PK_RUN_DONE : PK_RUN_FAILED;
 }
 
 /* Notes for each event function g whether it has become clearly nonzero. If g is always zero up to

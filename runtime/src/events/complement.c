@@ -68,8 +68,8 @@ pk_real pk_complement_result(const struct pk_complement *p, size_t i, pk_real *s
     return sum;
 }
 
-/* Changes the state of row i if it is wrong, and returns whether it was. A row that holds is wrong
- * also where it depends on rows that lead off it. */
+/* Changes the state of row i if it is wrong, and returns whether it was: also if others lead off a
+ * row that holds. */
 static int turn(struct pk_complement *p, size_t i, pk_real round)
 {
     pk_real size;

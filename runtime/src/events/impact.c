@@ -21,10 +21,10 @@ static void sizes(struct pk_actor *a, struct rows *r)
     const int count = 3 - (failed != 0);
     for (int what = 0; what < count; what++)
         for (size_t k = 0; k < (what ? w->m : w->rotation); k++) {
-            const pk_real *change = what + 1 < count ? numbers[what + 1] : NULL;
-            const pk_real way = change ? change[k] * (w->t - a->changed) : 0; /* since the last */
-            const pk_real number = pk_max(pk_abs(way), pk_abs(numbers[what][k]));
-            const pk_real size = PK_F(sqrt)(pk_project_mass(w, k)) * number;
+            const pk_real since = what + 1 < count ? w->t - a->changed : 0; /* the last change */
+            const pk_real way = since > 0 ? numbers[what + 1][k] * since : 0;
+            const pk_real size = PK_F(sqrt)(pk_project_mass(w, k)) *
+                                 pk_max(pk_abs(way), pk_abs(numbers[what][k]));
             a->most[what] = pk_finite(size) ? pk_max(a->most[what], size) : a->most[what];
         }
     pk_project_slopes(w, a->next, v, w->J, w->c, w->mu);

@@ -57,15 +57,6 @@ static int is_free(const struct pk_events *e, size_t k)
     return !(e->sides[k] < 0 || e->sides[k] > 0);
 }
 
-/* Computes a place that is ahead of q by rounding, where a motion shows to which side it leads. */
-static void look_ahead(const struct pk_integrator *it, pk_real *ahead)
-{
-    const pk_real size = 4 * PK_EPS * pk_largest(it->q, it->n_q) + PK_TINY;
-    const pk_real most = pk_max(pk_largest(it->v, it->n_q), PK_TINY);
-    for (size_t k = 0; k < it->n_q; k++)
-        ahead[k] = it->q[k] + size * (it->v[k] / most);
-}
-
 /* Sets the sides of all switches. Repeats this until no side changes, since the argument of a
  * switch may contain other switches. */
 enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
@@ -79,11 +70,14 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
         pk_zero(e->fresh, e->n_switches);
         return PK_DONE;
     }
+    const pk_real way = (4 * PK_EPS * pk_largest(it->q, it->n_q) + PK_TINY) /
+                        pk_max(pk_largest(it->v, it->n_q), PK_TINY);
     for (size_t round = 0; changed; round++) {
         if (round > e->n_switches + 1)
             return pk_fail(it, PK_SLIDING, 0);
         changed = 0;
-        look_ahead(it, e->trial);
+        for (size_t i = 0; i < it->n_q; i++) /* by rounding ahead, where a motion leads */
+            e->trial[i] = it->q[i] + way * it->v[i];
         pk_switches_values(e, it, it->t, e->trial, it->v, ahead);
         pk_switches_values(e, it, it->t, it->q, it->v, x);
         for (size_t k = 0; k < e->n_switches; k++) {
