@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import sympy as sp
-from scipy.integrate import DOP853
+from scipy.integrate import DOP853, solve_ivp
 from scipy.optimize import brentq
 
 CLOSE = 1e-9  # what is 0
@@ -28,6 +28,7 @@ class Contact:
     restitution: float = 0
     mu: float | None = None
     slip: str = ""
+    poisson: bool = False
 
 
 @dataclass
@@ -39,11 +40,14 @@ class Friction:
 
 @dataclass
 class Event:
-    """A function of which a sign change, or only one downwards, gives new values."""
+    """A function of which a sign change, or only one downwards, gives new values, and turns one of
+    the latches on or off."""
 
     value: str
     falling: bool
     then: dict[str, str]
+    on: int | None = None
+    off: int | None = None
 
 
 @dataclass
@@ -55,11 +59,12 @@ class System:
     contacts: list[Contact] = field(default_factory=list)
     frictions: list[Friction] = field(default_factory=list)
     constraints: list[str] = field(default_factory=list)
+    latches: list[str] = field(default_factory=list)  # constraints that hold at times
+    on: bool = False  # whether they hold at the start
     switches: list[str] = field(default_factory=list)  # held0, ... are 1 where these are positive
     events: list[Event] = field(default_factory=list)
     cells: dict[str, tuple[float, str]] = field(default_factory=dict)  # start, value at a sample
     period: float = 0.0  # of samples
-    poisson: bool = False
     # of quasi-coordinates: names of v, rates of the coordinates, M and forces
     rates: list[str] = field(default_factory=list)
     moves: list[str] = field(default_factory=list)
@@ -108,11 +113,12 @@ class Motion:
             ]
         self.n = len(v)
         gaps = [of(c.gap) for c in s.contacts]
-        phi = [*gaps, *(of(c) for c in s.constraints)]
+        phi = [*gaps, *(of(c) for c in [*s.constraints, *s.latches])]
         rubs = [k for k, c in enumerate(s.contacts) if c.mu is not None]
         slips = [of(s.contacts[k].slip) for k in rubs] + [of(f.slip) for f in s.frictions]
         rows = [rate(x) for x in phi] + slips
-        self.gaps, self.fixed = range(len(gaps)), range(len(gaps), len(phi))
+        self.gaps, self.always = range(len(gaps)), range(len(gaps), len(phi) - len(s.latches))
+        self.live: set[int] = set()  # latches that are on
         self.slips = range(len(phi), len(rows))
         self.rub = {len(phi) + i: k for i, k in enumerate(rubs)}
         self.tangent = {k: row for row, k in self.rub.items()}
@@ -156,9 +162,17 @@ class Motion:
     def _named(s: System, rates: list[str], state: list) -> list[tuple]:
         return [*zip([*s.coordinates, *rates, *s.cells], state, strict=True)]
 
+    @property
+    def fixed(self) -> list[int]:
+        return [*self.always, *(self.always.stop + k for k in sorted(self.live))]
+
     def at(self, t: float, s: np.ndarray) -> dict[str, np.ndarray]:
         flat = self.function(t, *s.tolist(), *self.held, *self.cells)
-        return {k: np.array(flat[w], float).reshape(shape) for k, (w, shape) in self.parts.items()}
+        p = {k: np.array(flat[w], float).reshape(shape) for k, (w, shape) in self.parts.items()}
+        for k, e in enumerate(self.s.events):  # what turns a latch on does not happen while it is
+            if e.on in self.live:
+                p["event"][k] = self.sides[k]
+        return p
 
     # accelerations and multipliers
 
@@ -298,9 +312,14 @@ class Motion:
                     found.append((x, rates, deficient))
         if not found:
             raise Doubt("no impulse is consistent")
-        if any(abs(x[1] - found[0][1]).max() > 1e-8 for x in found):
+        first, rates, deficient = found[0]
+        if any(abs(x[1] - rates).max() > 1e-8 for x in found):
             raise Doubt("several impulses are consistent")
-        return found[0][0]
+        back = [k for k in normals if self.s.contacts[k].poisson and self.s.contacts[k].restitution]
+        apart = any(abs(x[0].get(k, 0) - first.get(k, 0)) > 1e-8 for x in found for k in back)
+        if back and (deficient or apart):
+            raise Doubt("impulses that come back are not determined")
+        return first
 
     def strike(self, t: float, s: np.ndarray, touching: set[int]) -> np.ndarray:
         p = self.at(t, s)
@@ -314,20 +333,18 @@ class Motion:
         e = np.array([c.restitution for c in self.s.contacts])
         J = p["J"]
         A = J @ np.linalg.solve(p["M"], J.T)
-        if self.s.poisson:
-            x = self.linear(p, rate, normals, {})
-            back = {k: e[k] * x.get(k, 0.0) for k in normals}
-            b = rate.copy()
+        wanted = rate.copy()
+        for k in normals:  # Newton's; a tangent's rate is not changed
+            wanted[k] += e[k] * rate[k] * (not self.s.contacts[k].poisson)
+        x = self.linear(p, wanted, normals, {})
+        back = {k: e[k] * x.get(k, 0.0) for k in normals if self.s.contacts[k].poisson}
+        if any(back.values()):
+            b = wanted.copy()
             for impulses in (x, back):
                 for k, y in impulses.items():
                     b = b + A[:, k] * y
-            more = self.linear(p, b, normals, back) if any(back.values()) else {}
+            more = self.linear(p, b, normals, back)
             x = {k: x.get(k, 0.0) + back.get(k, 0.0) + more.get(k, 0.0) for k in {*x, *back, *more}}
-        else:
-            b = rate.copy()
-            for k in normals:  # a tangent's rate is not changed
-                b[k] += e[k] * rate[k]
-            x = self.linear(p, b, normals, {})
         after = rate.copy()
         for k, y in x.items():
             after = after + A[:, k] * y
@@ -409,6 +426,7 @@ class Motion:
         self.cells = [value for value, _ in self.s.cells.values()]
         self.held: list[int] = [0] * len(self.s.switches)
         self.lost = [0.0] * len(self.gaps)
+        self.live = set(range(len(self.s.latches) if self.s.on else 0))
         self.sides = [1] * len(self.s.events)
         self.shut, self.stuck, self.slides = [], [], {}
         rows, log, last = [], [], {}
@@ -464,7 +482,9 @@ class Motion:
                     fires = self.sides[k] > 0 or not self.s.events[k].falling
                     self.sides[k] = -self.sides[k]
                     if fires:
-                        s = self.reset(t, s, k)
+                        event = self.s.events[k]
+                        self.live = {*self.live, event.on} - {event.off, None}
+                        s = self.reset(t, s, k) if event.then else s
                         p = self.at(t, s)
                         touching = {i for i in touching if abs(p["phi"][i]) < CLOSE}
                 near = [i for i in self.gaps if i not in touching and p["phi"][i] < DOUBTFUL]
@@ -478,8 +498,9 @@ class Motion:
 
     def leave(self, t: float, s: np.ndarray) -> None:
         """Finds to which side the function of an event leaves 0."""
-        h = 1e-6
-        value, ahead = self.at(t, s)["event"], self.at(t + h, s + h * self.rhs(t, s))["event"]
+        h = 1e-3 if any(e.off is not None for e in self.s.events) else 1e-6
+        middle = self.rhs(t, s + h / 2 * self.rhs(t, s))
+        value, ahead = self.at(t, s)["event"], self.at(t + h, s + h * middle)["event"]
         for k, x in enumerate(value):
             if abs(x) < DOUBTFUL:
                 if abs(ahead[k] - x) < 1e-9:
@@ -504,6 +525,8 @@ class Motion:
                 self.sides[i] = 1 if x > 0 else -1
         if any(p["phi"][i] < -CLOSE for i in self.gaps):
             raise Doubt("a value after an event violates a gap")
+        if any(abs(p["phi"][i]) > CLOSE for i in self.fixed):
+            raise Doubt("a value after an event breaks a constraint")
         return s
 
     def fly(self, t: float, s: np.ndarray, end: float, times: np.ndarray):
@@ -520,6 +543,8 @@ class Motion:
             solver.step()
             if solver.status == "failed":
                 raise Doubt("SciPy fails")
+            if abs(solver.y).max() > 100:
+                raise Doubt("it runs away")
             flow = solver.dense_output()
             a = solver.t_old
             for b in np.linspace(solver.t_old, solver.t, 5)[1:]:
@@ -566,3 +591,25 @@ class Motion:
             for i in range(first, last)
             if times[i] - begin > 1e-7 and (b - times[i] > 1e-7 or b >= times[-1] - 1e-12)
         ]
+
+
+def softened(motion: Motion, eps: float, start: list[float], times: np.ndarray) -> np.ndarray:
+    """Returns the states of a smooth motion that has the one with contacts without restitution as
+    its limit: walls are dampers of the force -gap'/eps, and friction is along -tanh(slip/eps)."""
+    motion.cells, motion.held = [], []
+
+    def rhs(t: float, s: np.ndarray) -> np.ndarray:
+        p = motion.at(t, s)
+        J, rate, h = p["J"], p["rate"], p["h"].copy()
+        push = [max(0.0, -rate[k]) / eps * (p["phi"][k] < 0) for k in motion.gaps]
+        for k, x in enumerate(push):
+            h += x * J[k]
+        for row in motion.slips:
+            k = motion.rub.get(row)
+            dry = k is None
+            most = p["bounds"][motion.dry[row], 0] if dry else motion.s.contacts[k].mu * push[k]
+            h -= most * np.tanh(rate[row] / eps) * J[row]
+        return np.concatenate([p["moves"], np.linalg.solve(p["M"], h)])
+
+    way = dict(method="Radau", rtol=1e-7, atol=1e-9, max_step=0.02)
+    return solve_ivp(rhs, (0, times[-1]), start, t_eval=times, **way).y.T

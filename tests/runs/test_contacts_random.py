@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from contact_reference import Contact, Event, Friction, Motion, System
+from contact_reference import Contact, Event, Friction, Motion, System, softened
 
 import pkgen
 from conftest import long_but
 
-LATE = ("contact", "friction", "constraint", "event", "start")
+LATE = ("contact", "impact", "friction", "constraint", "event", "mode", "start")
 UNTIL, EVERY = 3.0, 0.05
 
 
@@ -29,6 +29,7 @@ class Draft:
     potential: list[str] = field(default_factory=list)
     forces: dict[str, list[str]] = field(default_factory=dict)
     holds: dict[str, str] = field(default_factory=dict)  # what the reference has for a text
+    plain: bool = False  # no bounces, no static friction
 
     def number(self, low: float, high: float) -> float:
         return round(self.draw.uniform(low, high), 3)
@@ -43,29 +44,58 @@ class Draft:
     def push(self, name: str, force: str) -> None:
         self.forces.setdefault(name, []).append(force)
 
+    def held(self, condition: str) -> str:
+        """Returns a name that is 1 for the reference where the condition is positive, else 0."""
+        self.system.switches.append(condition)
+        return f"held{len(self.system.switches) - 1}"
+
+    def kink(self, x: str) -> tuple[str, str, float]:
+        """Returns a function of x with a kink, the reference's, and its value at the start."""
+        a, b, c = self.number(-0.5, 0.5), self.number(-0.4, 0.4), self.number(-0.4, 0.4)
+        condition = f"{x} - ({a})"
+        own = f"(({b}) + ({c} - ({b}))*{self.held(condition)})*({condition})"
+        at = self.start[x] - a
+        value = at * (c if at > 0 else b)
+        way = self.draw.choice(("if", "ends", "step"))
+        if way == "if":
+            return f"if({condition} > 0, ({c})*({condition}), ({b})*({condition}))", own, value
+        if way == "step":
+            return f"(({b}) + ({c} - ({b}))*step({condition}))*({condition})", own, value
+        end = "max" if c > b else "min"
+        return f"{end}(({b})*({condition}), ({c})*({condition}))", own, value
+
     def contact(self, gap: str, slip: str = "", own: str = "", along: str = "") -> None:
         """Adds a contact; `own` is the gap as the reference has it."""
         e = self.draw.choice((0, 0, 1, self.number(0.1, 0.9), self.number(0.1, 0.9)))
         mu = self.number(0.05, 1.2) if slip and self.chance(0.6) else None
         name = f"c{len(self.system.contacts)}"
-        self.system.contacts.append(Contact(own or gap, e, mu, slip))
-        if self.chance(0.3):
+        poisson = self.chance(0.3)
+        e, poisson = (0, False) if self.plain else (e, poisson)
+        self.system.contacts.append(Contact(own or gap, e, mu, slip, poisson))
+        keyword = "contact"
+        if self.chance(0.2):
+            keyword, gap = "impact", f"{gap} falling with"
+        elif self.chance(0.3):
             gap = f"{gap} >= 0"
         else:
             b = self.number(-1, 1)
             gap = f"{gap} + {b} >= {b}"
-        text = f"contact {name}: {gap}"
-        if e or self.chance(0.5):
+        text = f"{keyword} {name}: {gap}"
+        if e or keyword == "impact" or self.chance(0.5):
             text += f" restitution {e}"
         if mu is not None:
             text += f" friction {mu}" + (f" along {along}" if along else "")
-        self.lines.append(text + " poisson" * self.system.poisson)
+        self.lines.append(text + " poisson" * poisson)
 
     def friction(self, name: str, slip: str) -> None:
-        force = self.number(0.1, 1.5)
+        force = own = self.number(0.1, 1.5)
         static = round(force * self.number(1, 1.6), 3) if self.chance(0.4) else None
+        static = None if self.plain else static
         tail = f" static {static}" if static else ""
-        self.system.frictions.append(Friction(slip, str(force), str(static or "")))
+        if not static and self.chance(0.3):  # it is 0 where it would be negative
+            force = f"{force} + {self.number(0, 1.5 * force)}*sin({self.number(0.5, 4)}*t)"
+            own = f"({force})*{self.held(force)}"
+        self.system.frictions.append(Friction(slip, str(own), str(static or "")))
         self.lines.append(f"friction {name} = {force}{tail}")
 
     def text(self) -> str:
@@ -84,6 +114,11 @@ class Draft:
 
     def done(self) -> System:
         s = self.system
+        if s.mass:
+            for k, q in enumerate("xyz"):
+                terms = (f" + {self.holds.get(x, x)}" for x in self.forces.get(q, []))
+                s.loads[k] += "".join(terms)
+            return s
         s.kinetic, s.potential = " + ".join(self.kinetic), " + ".join(self.potential or ["0"])
         for q, terms in self.forces.items():
             s.forces[q] = " + ".join(self.holds.get(x, x) for x in terms)
@@ -114,6 +149,16 @@ def moved(d: Draft, size: float = 0.2) -> str:
     return ""
 
 
+def jumping(d: Draft) -> tuple[str, str]:
+    """The speed of a belt that may jump, and the reference's."""
+    a, b = d.number(-0.7, 0.7), d.number(-0.7, 0.7)
+    if d.chance(0.6):
+        return f"({a})", f"({a})"
+    condition = f"sin({d.number(1, 4)}*t + {d.number(0, 3)})"
+    h = d.held(condition)
+    return f"if({condition} > 0, {a}, {b})", f"({a}*{h} + ({b})*(1 - {h}))"
+
+
 def points(d: Draft) -> None:
     """Point masses in a plane, walls, circles, and contacts between them."""
     count = d.draw.choice((1, 1, 2))
@@ -125,9 +170,17 @@ def points(d: Draft) -> None:
         d.potential.append(f"{m}*{d.number(2, 10)}*{y}")
         wells(d, [x, y])
         d.lines.append(f"let P{k} = [{x}, {y}, 0]")
-        kind = d.draw.choice(("floor", "slanted", "bowl", "ball", "parabola"))
+        kind = d.draw.choice(("floor", "slanted", "bowl", "ball", "parabola", "bent", "bent"))
         if kind == "floor":
             d.contact(f"{y}{moved(d)}", f"{x}'")
+            if d.chance(0.3):  # it begins there
+                d.start[y], d.start[f"{y}'"] = 0.0, d.draw.choice((0.0, d.start[f"{y}'"]))
+        elif kind == "bent":
+            text, own, value = d.kink(x)
+            if d.chance(0.3):
+                d.start[y], d.start[f"{y}'"] = value, d.draw.choice((0.0, d.start[f"{y}'"]))
+            d.lines.append(f"let s{k} = {x}'")
+            d.contact(f"{y} - {text}", f"{x}'", f"{y} - {own}", f"s{k}")
         elif kind == "slanted":
             s = d.number(-0.4, 0.4)
             d.contact(f"{y} - ({s})*{x} + 0.5", f"({x}' + ({s})*{y}')")
@@ -229,9 +282,9 @@ def sliders(d: Draft) -> None:
         if kind == "floor":
             d.friction(x, f"{x}'")
         elif kind == "belt":
-            v = d.number(-0.7, 0.7)
-            d.lines.append(f"let s{k} = {x}' - ({v})")
-            d.friction(f"s{k}", f"{x}' - ({v})")
+            text, own = jumping(d)
+            d.lines.append(f"let s{k} = {x}' - {text}")
+            d.friction(f"s{k}", f"{x}' - {own}")
         elif kind == "between" and k > 1:
             d.lines.append(f"let s{k} = {x} - x{k - 1}")
             d.friction(f"s{k}", f"{x}' - x{k - 1}'")
@@ -285,7 +338,7 @@ def spins(d: Draft) -> None:
         d.coordinate(name, at, d.number(-1, 1))
     w = [d.number(-3, 3) for _ in range(3)]
     d.lines.append("rotation R")
-    d.lines.append("let w = omega(R)")
+    d.lines += ["let w = omega(R)", "let s = x' + y'"]
     rows = [(r, "0")]
     if d.chance(0.5):
         rows.append(([d.number(-0.4, 0.4) for _ in range(3)], "0"))
@@ -296,7 +349,7 @@ def spins(d: Draft) -> None:
             f"(2*(Q1*Q3 - Q0*Q2)*({a[0]}) + 2*(Q2*Q3 + Q0*Q1)*({a[1]})"
             f" + (Q0^2 - Q1^2 - Q2^2 + Q3^2)*({a[2]}))"
         )
-        d.contact(f"z + (R*[{a[0]}, {a[1]}, {a[2]}]).z", "", f"z + {rz}")
+        d.contact(f"z + (R*[{a[0]}, {a[1]}, {a[2]}]).z", "x' + y'", f"z + {rz}", "s")
     s.coordinates = ["x", "y", "z", "Q0", "Q1", "Q2", "Q3"]
     s.rates = ["x'", "y'", "z'", "w1", "w2", "w3"]
     s.moves = [
@@ -319,30 +372,13 @@ def spins(d: Draft) -> None:
         f"({A} - {B})*w1*w2",
     ]
     d.lines.append(f"start omega(R) = [{w[0]}, {w[1]}, {w[2]}]")
-    d.own = [
-        d.start["x"],
-        d.start["y"],
-        d.start["z"],
-        1.0,
-        0.0,
-        0.0,
-        0.0,
-        d.start["x'"],
-        d.start["y'"],
-        d.start["z'"],
-        *w,
-    ]
+    d.own = w
 
 
 def switched(d: Draft, folder: Path) -> None:
     """Adds an `if`, a table, values after events, and samples."""
-    q = d.draw.choice(d.system.coordinates)
-    at = d.draw.choice(d.system.coordinates)
-    s = d.system
-
-    def held(condition: str) -> str:
-        s.switches.append(condition)
-        return f"held{len(s.switches) - 1}"
+    s, names = d.system, [x for x in d.start if "'" not in x]
+    q, at = d.draw.choice(names), d.draw.choice(names)
 
     if d.chance(0.25):
         condition = d.draw.choice(
@@ -355,7 +391,7 @@ def switched(d: Draft, folder: Path) -> None:
         a, b = d.number(-2, 2), d.number(-2, 2)
         text = f"if({condition} > 0, {a}, {b})"
         d.push(q, text)
-        h = held(condition)
+        h = d.held(condition)
         d.holds[text] = f"({a}*{h} + ({b})*(1 - {h}))"
     if d.chance(0.2):
         xs = np.round(np.cumsum([-0.6, *(d.number(0.2, 0.6) for _ in range(3))]), 3)
@@ -369,9 +405,8 @@ def switched(d: Draft, folder: Path) -> None:
         slopes = (np.diff(ys) / np.diff(xs)).tolist()
         own = f"({ys[0]} + ({slopes[0]!r})*({at} - ({xs[0]})))"
         for k in range(1, len(slopes)):
-            own += (
-                f" + ({slopes[k] - slopes[k - 1]!r})*({at} - ({xs[k]}))*{held(f'{at} - ({xs[k]})')}"
-            )
+            more, beyond = slopes[k] - slopes[k - 1], f"{at} - ({xs[k]})"
+            own += f" + ({more!r})*({beyond})*{d.held(beyond)}"
         d.holds[text] = own
     cell = d.chance(0.25)
     if cell:
@@ -381,7 +416,7 @@ def switched(d: Draft, folder: Path) -> None:
         s.cells["c"], s.period = (0.5, value), T
         d.lines += [f"sample block every {T}", "  memory c = 0.5", f"  set c = {value}", "end"]
         d.push(q, f"{d.number(-2, 2)}*c")
-    if d.chance(0.3) and not s.constraints:
+    if d.chance(0.3):
         kind = d.draw.choice(("time", "time", "place", "rate"))
         place = d.number(-0.4, 0.4)
         condition = {
@@ -393,17 +428,32 @@ def switched(d: Draft, folder: Path) -> None:
         what = d.draw.choice(("turn", "jump", "all", *(["cell"] * cell)))
         if what == "turn":
             then[f"{at}'"] = f"-{at}'"
-        elif what == "jump" and kind == "time":
+        elif what == "jump" and kind == "time" and not s.constraints:
             then[at] = f"{at} + ({d.number(-0.2, 0.2)})"
         elif what == "cell":
             then["c"] = f"{d.number(-1, 1)} - c*{d.number(0, 1)}"
         else:
-            for name in s.coordinates:
+            for name in names:
                 then[f"{name}'"] = f"{d.number(-0.9, 0.9)}*{name}' + ({d.number(-0.3, 0.3)})"
         falling = d.chance(0.6)
         s.events.append(Event(condition, falling, then))
         values = ", ".join(f"{k} = {v}" for k, v in then.items())
         d.lines.append(f"event jolt: {condition}{' falling' * falling} then {values}")
+    if d.chance(0.3):
+        hook = f"{q if q != at and d.chance(0.5) else 0} - {at} - ({d.number(-0.4, 0.4)})"
+        if d.chance(0.3) and not s.constraints:  # it begins on
+            hook, d.start[f"{at}'"] = f"{d.start[at]} - {at}", 0.0
+            s.on, d.start["latch"] = True, 1
+        off = f"sin({d.number(1, 5)}*t + {d.number(0, 3)})"
+        falls = [" falling" * d.chance(0.6) for _ in range(2)]
+        s.latches.append(hook)
+        s.events += [Event(hook, falls[0] > "", {}, on=0), Event(off, falls[1] > "", {}, off=0)]
+        d.lines += [
+            f"constraint hook: {hook} = 0",
+            f"event meets: {hook}{falls[0]}",
+            f"event tired: {off}{falls[1]}",
+            "mode latch: constraint hook on at meets off at tired",
+        ]
 
 
 KINDS = (points, points, pendulums, body, sliders, sliders, rods, spins)
@@ -412,19 +462,16 @@ KINDS = (points, points, pendulums, body, sliders, sliders, rods, spins)
 def drafted(seed: int, folder: Path) -> tuple[str, Draft, System]:
     draw = random.Random(seed)
     d = Draft(draw)
-    d.system.poisson = draw.random() < 0.25
     kind = draw.choice(KINDS)
     kind(d)
-    if kind is not spins:
-        switched(d, folder)
-        names = d.system.coordinates
-        d.own = [d.start[n] for n in names] + [d.start[f"{n}'"] for n in names]
-        return d.text(), d, d.done()
+    switched(d, folder)
     names = d.system.coordinates
-    d.system.coordinates = ["x", "y", "z"]
+    at, rates = ([d.start[n + end] for n in names if n in d.start] for end in ("", "'"))
+    d.own = at + rates if kind is not spins else [*at, 1.0, 0.0, 0.0, 0.0, *rates, *d.own]
+    d.system.coordinates = [n for n in names if n in d.start]
     text = d.text()
     d.system.coordinates = names
-    return text, d, d.system
+    return text, d, d.done()
 
 
 def names_of(s: System) -> list[str]:
@@ -449,18 +496,21 @@ def compared(seed: int, folder: Path) -> dict:
         "error": "",
         "worst": 0.0,
         "lost": 0.0,
+        "each": 0.0,
+        "tolerance": 1.0,
         "hits": [],
         "wanted": [],
     }
     until = end if not why else end - 1e-5
     if until <= EVERY:
         return found
-    method = d.draw.choice(("gauss", "gauss", "dop853"))
+    method = d.draw.choice((None, "gauss", "gauss", "dop853", "dop853", "radau", "rk4"))
+    accuracy = {"step": 1e-3} if method == "rk4" else {"rtol": 1e-12}
     m = pkgen.load(str(folder / "m.lag"))
-    run = m.run(until=until, every=EVERY, method=method, rtol=1e-12, max_steps=20000)
+    run = m.run(until=until, every=EVERY, method=method, max_steps=20000, **accuracy)
     names = names_of(system)
     pick = range(len(d.own)) if not system.mass else [0, 1, 2, 7, 8, 9]
-    worst, first = 0.0, None
+    worst, first, tolerance = 0.0, None, 1e-6 if method == "rk4" else 1e-8
     for i, state in rows:
         if times[i] > until or i >= len(run.t):
             continue
@@ -468,9 +518,15 @@ def compared(seed: int, folder: Path) -> dict:
         off /= max(1.0, abs(state).max())
         if not off <= worst:
             worst = off
-        if not off <= 1e-8 and first is None:
+        if not off <= tolerance and first is None:
             first = float(times[i])
-    found |= {"worst": worst, "first": first, "method": method, "rows": len(rows)}
+    found |= {
+        "worst": worst,
+        "first": first,
+        "method": method,
+        "rows": len(rows),
+        "tolerance": tolerance,
+    }
     if not why:
         mine = [x["lost"] for x in run.report["contacts"] if x["name"].startswith("c")][: len(lost)]
         counts = [sum(x[1:] == ("hits", k) for x in log) for k in range(len(lost))]
@@ -479,16 +535,46 @@ def compared(seed: int, folder: Path) -> dict:
             [len(run.events[f"c{k}"]) for k in range(len(lost))],
         )
         found["lost"] = abs(sum(mine) - sum(lost)) / max(1.0, sum(map(abs, lost)))
+        found["each"] = max(abs(a - b) for a, b in zip(mine, lost)) / max(1.0, sum(map(abs, lost)))
     return found
 
 
+QUICK = range(3)
+CHUNKS = [QUICK, *(range(k, k + 25) for k in range(3, 528, 25))]
+
+
 @pytest.mark.filterwarnings("ignore:.*never used")
-@pytest.mark.parametrize("seed", long_but(range(3), [*range(300), 564]))
-def test_motions_are_those_of_scipy_stopped_at_each_event(seed: int, tmp_path: Path) -> None:
-    found = compared(seed, tmp_path)
-    assert found["worst"] <= 1e-8, found
-    assert found["lost"] <= 1e-8, found
-    assert found["hits"] == found["wanted"], found
+@pytest.mark.parametrize("seeds", long_but([QUICK], CHUNKS), ids=lambda x: f"{x[0]}-{x[-1]}")
+def test_motions_are_those_of_scipy_stopped_at_each_event(seeds: range, tmp_path: Path) -> None:
+    for seed in seeds:
+        (folder := tmp_path / str(seed)).mkdir()
+        found = compared(seed, folder)
+        most = max(found["worst"], found["lost"], found["each"])
+        assert most <= found["tolerance"], (seed, found)
+        assert found["hits"] == found["wanted"], (seed, found)
+
+
+# models that meet something, and in which all is determined
+SOFT = (2, 4, 5, 6, 8, 9, 10, 14, 16, 24, 25, 28, 30, 32, 34, 35, 36, 45, 47, 48)
+
+
+@pytest.mark.filterwarnings("ignore:.*never used")
+@pytest.mark.parametrize("seed", long_but([32], SOFT))
+def test_motions_are_limits_of_stiff_smooth_ones(seed: int, tmp_path: Path) -> None:
+    draw = random.Random(seed)
+    d = Draft(draw, plain=True)
+    draw.choice((points, pendulums, body, sliders))(d)
+    names = d.system.coordinates
+    start = [d.start[n + end] for end in ("", "'") for n in names]
+    (tmp_path / "m.lag").write_text(d.text())
+    run = pkgen.load(str(tmp_path / "m.lag")).run(until=1.2, every=0.1, rtol=1e-10)
+    mine = np.array([run[n] for n in names]).T
+    motion, errors = Motion(d.done()), []
+    for eps in (8e-3, 2e-3, 5e-4):
+        states = softened(motion, eps, start, run.t)
+        errors.append(abs(states[:, : len(names)] - mine).max())
+    assert errors[0] > 2.4 * errors[1] > 2.4**2 * errors[2], errors
+    assert errors[2] < 0.03, errors
 
 
 def ran(folder: Path, text: str, until: float, method: str, **options):
@@ -544,6 +630,45 @@ start y = 1, x = 0.1, x' = 0.2"""
     assert (r["y"] - abs(r["x"])).min() > -1e-12 and len(r.events["c"]) == 8
 
 
+ON_X = "coord x\nkinetic x'^2/2\n"
+ON_FLOOR = "coord x, y\nkinetic (x'^2 + y'^2)/2\npotential 10*y\n"
+COUNTS = f"{ON_X}sample block every 1\n  memory c = 0\n  set c = c + 1\nend\n"
+LATCHED = """constraint h: x + 0.3 = 0
+event meets: x + 0.3 falling
+event tired: 0.5 - t falling
+mode latch: constraint h on at meets off at tired
+start x' = -1, x = -0.2"""
+
+
+@pytest.mark.parametrize(
+    ("text", "until", "x"),
+    [
+        (f"{ON_FLOOR}contact f: y - max(0, x - 1) >= 0\nstart x' = 5", 1, 1.4),
+        (f"{ON_FLOOR}contact f: y - min(0, 1 - x) >= 0\nstart x' = 1", 2, 4),
+        (f"{ON_FLOOR}contact f: y - min(0, -x) >= 0\nstart x' = -1", 1, -1),
+        (f"{ON_FLOOR}contact f: y - max(0, x) >= 0\nstart x' = 1", 0.5, -0.15),
+        (f"{ON_X}potential 10*x\ncontact f: x - max(0, t - 1) >= 0", 2, 1),
+        (f"{ON_X}let s = x' - if(t > 1, 1, 0)\nfriction s = 1", 2, 0.5),
+        (f"{ON_X}let s = x' - if(t > 1, 2, -1)\nfriction s = 1\nstart x' = 2", 2, 3),
+        (f"{ON_X}let s = x' - t + 1\nfriction x = 0.5\nfriction s = 2\nstart x' = -1", 2, 0),
+        (f"{ON_X}friction x = cos(t)\nstart x' = 3", 4, 7 + math.pi / 2),
+        (f"{ON_FLOOR}contact f: y >= 0 friction cos(t)/10\nstart x' = 3", 4, 7 + math.pi / 2),
+        (f"{COUNTS}contact f: x >= 0\npotential 10*x\nforce x = 8*c", 2, 3),
+        (f"{COUNTS}event e: c - 1.5 rising then x' = -2\nforce x = 0*c\nstart x' = 1", 3, -3),
+        (f"{ON_X}potential 2*(x - 0.3)^2\n{LATCHED}", 1.5, 0.3 - 0.6 * math.cos(2)),
+    ],
+    ids=str.split(
+        "bends_up bends_down begins_on_a_roof begins_in_a_valley wall_starts belt_starts belt_turns"
+        " two_frictions_part bound_below_0 mu_below_0 sample_opens"
+        " sample_gives_values latch_at_rest"
+    ),
+)
+def test_what_changes_at_once(text: str, until: float, x: float, tmp_path: Path) -> None:
+    """At kinks and jumps of gaps, slips and bounds, at samples, and where a latch lets go."""
+    found = ran(tmp_path, text, until, "radau", every=until)["x"][-1]
+    assert found == pytest.approx(x, abs=1e-9)
+
+
 def test_friction_is_of_the_force_whatever_the_scale_of_the_gap(tmp_path: Path) -> None:
     a = math.atan(0.5)
     text = "coord x, y\nkinetic (x'^2 + y'^2)/2\npotential 10*y\n"
@@ -551,6 +676,13 @@ def test_friction_is_of_the_force_whatever_the_scale_of_the_gap(tmp_path: Path) 
     r = ran(tmp_path, text, 1, "gauss", every=1)
     along = 10 * (math.sin(a) - 0.2 * math.cos(a)) / 2
     assert math.hypot(r["x"][-1], r["y"][-1]) == pytest.approx(along, rel=1e-10)
+
+
+@pytest.mark.parametrize("contact", ["", "contact c: x + 9 >= 0\n"])
+def test_a_value_that_breaks_a_constraint_ends_the_run(contact: str, tmp_path: Path) -> None:
+    text = "coord x, y\nkinetic (x'^2 + y'^2)/2\nconstraint h: y = x\n"
+    with pytest.raises(Exception, match="breaks a constraint: h by"):
+        ran(tmp_path, f"{text}{contact}event e: t - 1 then y = y + 1", 2, "gauss", every=1)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@
  * closes, impulses change the rates by Newton's or Poisson's law of restitution. Friction holds its
  * row, a slip, at 0, up to a bound of its multiplier; beyond, it pushes against the slip.
  *
- *     struct pk_actor a = {.system = &model_system, .params = &params, .u = u};
+ *     struct pk_actor a = {.system = &model_system, .params = &params, .u = u, .events = &events};
  *     status = pk_actor_start(&a, &it, work);          (pk_actor_reals() numbers)
  *     ... events.found = function that returns pk_actor_note(&a, events) ...
  *     status = pk_events_step(&events, &it, end);
@@ -37,7 +37,7 @@ struct pk_actor {
     pk_real
         *u; /* the inputs, which the modes are among; the integrator's input function gives them */
 
-    struct pk_events *events; /* those that find what is noted, or NULL */
+    struct pk_events *events; /* those that find what is noted, initialised, or NULL */
 
     int acting;                   /* flag: an event that changes the motion was noted */
     size_t stopped;               /* 1 + the first event noted that ends the run, or 0 */
@@ -64,8 +64,6 @@ int pk_actor_note(struct pk_actor *a, const struct pk_events *events);
 /* Changes the motion at the events noted, and resets the integrator there. Returns
  * PK_STOPPED_EVENT if one of them ends the run; else PK_DONE, or a failure as pk_actor_start(). */
 enum pk_status pk_actor_run(struct pk_actor *a, struct pk_integrator *it);
-/* To be called once the events are initialised: so they see a gap that is 0 as open. */
-void pk_actor_watch(struct pk_actor *a, const struct pk_integrator *it);
 void pk_actor_keep(struct pk_actor *a, struct pk_keep *k);
 
 PK_END

@@ -36,11 +36,12 @@ static int found(void *context, const struct pk_events *events)
     return run->write_failed || run->actor.acting;
 }
 
-/* Changes the motion if the step has ended at an event that does. */
+/* Changes the motion at an event that does, or where its rates break a closed gap behind a kink. */
 static enum pk_status act(struct pk_run *run, enum pk_status status)
 {
-    return status == PK_STOPPED_EVENT && run->actor.acting ? pk_actor_run(&run->actor, &run->it)
-                                                           : status;
+    const int acts = status == PK_OFF_CONSTRAINTS ? run->acts && run->events.at_switch
+                                                  : status == PK_STOPPED_EVENT && run->actor.acting;
+    return acts ? pk_actor_run(&run->actor, &run->it) : status;
 }
 
 static void doubtful(void *context, const struct pk_events *events)
@@ -78,9 +79,9 @@ enum pk_run_code crossings_begin(struct pk_run *run)
     run->events.doubtful = doubtful;
     run->events.context = run;
     run->actor.events = &run->events;
-    if (run->acts)
-        pk_actor_watch(&run->actor, &run->it);
-    return PK_RUN_DONE;
+    pk_real *const work = memory_take(memory, run->acts, sizeof *work);
+    const int starts = !run->acts || pk_actor_start(&run->actor, &run->it, work) >= 0;
+    return starts ? PK_RUN_DONE : PK_RUN_FAILED;
 }
 
 /* Notes for each event function g whether it has become clearly nonzero. If g is always zero up to
@@ -131,6 +132,7 @@ enum pk_status crossings_sample(struct pk_run *run)
     const struct settings *s = &run->settings;
     struct pk_integrator *it = &run->it;
     const size_t m = it->t > 0 && run->crossed ? events->n : 0;
+    const int due = pk_sampler_is_due(&run->sampler, it);
     pk_real *before = run->event_values, *after = before + m;
     if (m)
         events->values(s->params, it->t, it->q, it->v, s->u, before);
@@ -144,6 +146,9 @@ enum pk_status crossings_sample(struct pk_run *run)
             !(falls && events->table[k].direction <= 0))
             continue;
         observe_crossing(run, k, run_moment(run));
+        run->events.which = k;
+        if (run->acts)
+            pk_actor_note(&run->actor, &run->events);
         run->at_event = s->asked.at == k + 1;
         if (run->at_event)
             observe_row(run, run_moment(run));
@@ -153,13 +158,16 @@ enum pk_status crossings_sample(struct pk_run *run)
             status = it->status = PK_STOPPED_EVENT;
         }
     }
-    return status;
+    /* other forces may let go what holds */
+    const int acts = due && status >= 0 && (run->actor.acting || run->bare.contacts.n);
+    return acts ? pk_actor_run(&run->actor, it) : status;
 }
 
 enum pk_status crossings_to(struct pk_run *run, pk_real t, int one_step, int seen)
 {
     struct pk_integrator *it = &run->it;
     enum pk_status status = PK_DONE;
+    seen |= run->acts > 0;
     if (run->bare.samples.n && t < it->t) {
         run_say(run, "a model with sample blocks goes forward in time");
         return PK_BAD_ARGUMENT;

@@ -60,9 +60,6 @@ static enum pk_run_code start(struct pk_run *run)
         return PK_RUN_FAILED;
     run->acts = pk_actor_reals(&run->problem);
     run->actor = (struct pk_actor){.system = &run->bare, .params = s->params, .u = s->u};
-    if (run->acts && pk_actor_start(&run->actor, &run->it,
-                                    memory_take(&run->memory, run->acts, sizeof(pk_real))) < 0)
-        return PK_RUN_FAILED;
     /* Without a given step size, steps are as long as the interval between rows, which may be too
      * long to detect events. method->resolved() returns an upper limit; for steps of half this
      * length the interpolant is good without extra steps. */

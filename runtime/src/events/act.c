@@ -12,6 +12,7 @@
 #define CROWDED PK_C(1e-9)
 enum { MOST = 10000 };
 #define LONGER PK_C(8.0)
+#define NEAR PK_C(1e4) /* so many roundings are from a zero that was found; farther is a jump */
 
 static size_t lay_out(struct pk_actor *a, const struct pk_problem *problem, pk_real *base)
 {
@@ -66,30 +67,31 @@ static int happened(const struct pk_actor *a, size_t event)
     return event < a->system->events.n && a->happened[event] > 0;
 }
 
-/* Fails at a gap that is negative before it was ever closed. */
-static enum pk_status fail(struct pk_integrator *it, size_t index, pk_real gap)
-{
-    it->own->ready = 0;
-    return pk_fail_with(it, PK_PENETRATES, PK_WHY(.index = index, .value = gap, .time = it->t));
-}
-
 /* Finds the contacts whose gap is closed. A gap that has just been found closed by its event is, and
- * one that was closed, unless values after an event have changed it. */
+ * one that was closed, unless values after an event have changed it. Fails at a constraint that
+ * these values break. */
 static enum pk_status touch(struct pk_actor *a, struct pk_integrator *it, struct rows *r,
                             pk_real within)
 {
-    for (size_t k = 0; k < a->system->contacts.n; k++) {
-        const struct pk_contact *x = &a->system->contacts.table[k];
-        const pk_real gap = x->kind == PK_CONTACT ? r->w.phi[x->row] : 0;
-        const pk_real size = x->kind == PK_CONTACT ? r->w.phi_size[x->row] : 0;
-        const int was = a->u[x->mode] > 0 || a->u[x->mode + 2] > 0;
-        if (x->kind != PK_CONTACT)
+    for (size_t row = 0; row < a->system->constraints.n_holonomic; row++) {
+        const size_t k = r->of[row];
+        const struct pk_contact *x = k < a->system->contacts.n ? &a->system->contacts.table[k]
+                                                               : NULL;
+        const pk_real gap = r->w.phi[row], size = r->w.phi_size[row];
+        if (!x || x->kind == PK_LATCH) {
+            if ((!x || a->u[x->mode] > 0) && pk_abs(gap) > WRITTEN * size + NEAR * r->of_gap[row])
+                return pk_fail_with(it, PK_OFF_CONSTRAINTS,
+                                    PK_WHY(.kind = PK_REASON_ROW, .index = row, .value = gap));
             continue;
+        }
+        const int was = a->u[x->mode] > 0 || a->u[x->mode + 2] > 0;
         const int holds = happened(a, x->event) ||
-                          (was && pk_abs(gap) <= WRITTEN * size + r->of_gap[x->row]);
-        if (!holds && gap < -WRITTEN * size - r->of_gap[x->row])
-            return fail(it, k, gap);
-        a->touches[k] = holds || pk_abs(gap) <= within * size + r->of_gap[x->row];
+                          (was && pk_abs(gap) <= WRITTEN * size + r->of_gap[row]);
+        if (!holds && gap < -WRITTEN * size - r->of_gap[row]) {
+            it->own->ready = 0;
+            return pk_fail_with(it, PK_PENETRATES, PK_WHY(.index = k, .value = gap, .time = it->t));
+        }
+        a->touches[k] = holds || pk_abs(gap) <= within * size + r->of_gap[row];
     }
     return PK_DONE;
 }
@@ -147,8 +149,9 @@ static enum pk_status settle(struct pk_actor *a, struct pk_integrator *it, struc
         again = 0;
         for (size_t k = 0; k < e; k++) {
             const size_t row = table[k].row;
-            const int still = pk_act_still(r, row) || happened(a, table[k].open) ||
-                              (table[k].kind == PK_FRICTION && happened(a, table[k].event));
+            const int told = happened(a, table[k].open) ||
+                             (table[k].kind == PK_FRICTION && happened(a, table[k].event));
+            const int still = pk_abs(r->w.rate[row]) <= (told ? NEAR : 1) * r->of_rate[row];
             a->state[k] = table[k].kind == PK_CONTACT
                               ? a->touches[k] > 0 && (still || pk_finite(a->seen[k].rests))
                           : table[k].kind == PK_FRICTION && !still ? (r->w.rate[row] > 0 ? 2 : -2)
@@ -200,9 +203,12 @@ static enum pk_status contacts(struct pk_actor *a, struct pk_integrator *it, pk_
     struct rows r;
     pk_real *u = a->next + a->n_q + a->n;
     for (size_t k = 0; k < a->system->contacts.n; k++)
-        if (table[k].kind == PK_LATCH)
-            u[table[k].mode] = happened(a, table[k].event) ||
-                               (u[table[k].mode] > 0 && !happened(a, table[k].open));
+        if (table[k].kind == PK_LATCH) {
+            const int on = happened(a, table[k].event), off = happened(a, table[k].open);
+            u[table[k].mode] = on || (u[table[k].mode] > 0 && !off);
+            if (off && !on && table[k].event < a->system->events.n)
+                a->happened[table[k].event] = -1; /* it is 0, and may happen again */
+        }
     pk_copy(a->u, u, a->system->n_inputs);
     PK_TRY(pk_act_rows(a, it, &r));
     PK_TRY(touch(a, it, &r, within));
@@ -226,37 +232,63 @@ static enum pk_status go_on(struct pk_actor *a, struct pk_integrator *it)
     return pk_integrator_set_step(it, pk_min(a->events->tried, LONGER * since));
 }
 
-/* The function of an event that gave values is 0 up to rounding, unless a value changed it. It goes
- * on to the side to which the new motion leads, and does not cross 0 on this way. */
+/* The function of an event that gave values is 0 up to rounding, unless a value changed it, and so
+ * is that of one that turns on a latch that has just been turned off. It goes on to the side to
+ * which the new motion leads, and does not cross 0 on this way. */
 static void leave(struct pk_actor *a, struct pk_integrator *it)
 {
-    const struct pk_system *system = a->system;
+    const pk_real part = PK_C(1e-3);
     struct pk_events *e = a->events;
     const size_t n_q = a->n_q, n = a->n;
-    int near = 0;
+    int left = 0;
     if (!e || !(e->tried > 0))
         return;
-    const pk_real h = PK_C(1e-6) * (e->limit < it->t ? -e->tried : e->tried);
-    pk_real *now = pk_events_sample(e, 0), *ahead = pk_events_sample(e, 1), *q = a->before;
+    const pk_real h = part * (e->limit < it->t ? -e->tried : e->tried);
+    pk_real *now = pk_events_sample(e, 0), *ahead = pk_events_sample(e, 1),
+            *other = pk_events_sample(e, 2), *q = a->before;
     pk_events_functions(e, it, it->t, it->q, it->v, now);
-    for (size_t i = 0; i < system->resets.n; i++) {
-        const size_t k = system->resets.table[i].event;
-        near |= a->happened[k] > 0 && pk_abs(now[k]) <= pk_abs(e->held[k]);
-    }
-    if (!near || pk_eval_acceleration(it, it->t, it->q, it->v, e->a0) < 0)
-        return;
-    for (size_t k = 0; k < n; k++)
-        q[n_q + k] = it->v[k] + h * e->a0[k];
-    for (size_t k = 0; k < n_q; k++)
-        q[k] = it->q[k] + h * (it->v[k] + q[n_q + k]) / 2;
-    pk_events_functions(e, it, it->t + h, q, q + n_q, ahead);
-    for (size_t i = 0; i < system->resets.n; i++) {
-        const size_t k = system->resets.table[i].event;
-        const pk_real rounding = pk_abs(e->held[k]), way = ahead[k] - now[k];
-        if (a->happened[k] > 0 && pk_abs(now[k]) <= rounding && pk_abs(way) > rounding)
+    for (size_t k = 0; k < a->system->events.n; k++) {
+        const pk_real rounding = pk_abs(e->held[k]);
+        const int frees = a->happened[k] < 0, gave = a->system->resets.n && happened(a, k);
+        if (!(gave || frees) || pk_abs(now[k]) > rounding)
+            continue;
+        if (!left && pk_eval_acceleration(it, it->t, it->q, it->v, e->a0) < 0)
+            return;
+        for (size_t i = 0; i < n && !left; i++)
+            q[n_q + i] = it->v[i] + h * e->a0[i];
+        for (size_t i = 0; i < n_q && !left; i++)
+            q[i] = it->q[i] + h * (it->v[i] + q[n_q + i]) / 2;
+        if (!left++)
+            pk_events_functions(e, it, it->t + h, q, q + n_q, ahead);
+        const pk_real way = ahead[k] - now[k];
+        if (pk_abs(way) > (frees ? 0 : rounding))
             e->held[k] = way > 0 ? rounding : -rounding;
+        if (!frees)
+            continue;
+        for (size_t i = 0; i < n_q; i++) /* it begins at rest, and is rounding for a while */
+            q[i] = it->q[i] * (i % 2 ? 1 + part : 1 - part);
+        pk_events_functions(e, it, it->t, q, it->v, other);
+        e->off[k] = (way > 0 ? -64 : 64) * PK_EPS / part * pk_abs(other[k] - now[k]);
     }
-    pk_switches_leave(e, it);
+    if (left)
+        pk_switches_leave(e, it);
+}
+
+/* The functions of contacts and frictions are positive until they change, whatever rounding says
+ * where a gap is 0. */
+static void watch(struct pk_actor *a, const struct pk_integrator *it)
+{
+    const struct pk_part_contacts *all = &a->system->contacts;
+    if (!a->events || !all->n)
+        return;
+    for (size_t k = 0; k < all->n; k++) {
+        if (all->table[k].kind == PK_LATCH)
+            continue;
+        a->events->held[all->table[k].event] = a->events->held[all->table[k].open] = PK_INFINITY;
+        a->events->off[all->table[k].event] = a->floats[k];
+        a->events->off[all->table[k].open] = a->clings[k];
+    }
+    pk_switches_leave(a->events, it);
 }
 
 static enum pk_status change(struct pk_actor *a, struct pk_integrator *it, pk_real within)
@@ -282,27 +314,24 @@ static enum pk_status change(struct pk_actor *a, struct pk_integrator *it, pk_re
     PK_TRY(pk_integrator_reset(it, it->t, a->next, next_v(a)));
     leave(a, it);
     pk_zero(a->happened, system->events.n);
-    pk_actor_watch(a, it);
+    watch(a, it);
     PK_TRY(go_on(a, it));
     it->event = stopped;
     return it->status = stopped ? PK_STOPPED_EVENT : PK_DONE;
 }
 
-/* The functions of contacts and frictions are positive until they change, whatever rounding says
- * where a gap is 0. */
-void pk_actor_watch(struct pk_actor *a, const struct pk_integrator *it)
+/* At a kink the switches of the events know on which side the motion is, or begins. */
+static enum pk_status change_at_kink(struct pk_actor *a, struct pk_integrator *it, pk_real within)
 {
-    const struct pk_part_contacts *all = &a->system->contacts;
-    if (!a->events || !all->n)
-        return;
-    for (size_t k = 0; k < all->n; k++) {
-        if (all->table[k].kind == PK_LATCH)
-            continue;
-        a->events->held[all->table[k].event] = a->events->held[all->table[k].open] = PK_INFINITY;
-        a->events->off[all->table[k].event] = a->floats[k];
-        a->events->off[all->table[k].open] = a->clings[k];
-    }
-    pk_switches_leave(a->events, it);
+    const void *const given = it->problem.params;
+    if (!a->events)
+        return change(a, it, within);
+    pk_switches_enter(a->events, it);
+    enum pk_status status = within > 0 ? pk_switches_settle(a->events, it) : PK_DONE;
+    a->params = it->problem.params;
+    status = status < 0 ? status : change(a, it, within);
+    a->params = it->problem.params = given;
+    return it->status = status;
 }
 
 enum pk_status pk_actor_start(struct pk_actor *a, struct pk_integrator *it, pk_real *work)
@@ -320,7 +349,7 @@ enum pk_status pk_actor_start(struct pk_actor *a, struct pk_integrator *it, pk_r
         a->u[table[k].mode] = table[k].kind == PK_LATCH && table[k].flag;
         a->u[table[k].mode + 1] = a->u[table[k].mode + 2] = 0;
     }
-    return it->status = a->system->contacts.n ? change(a, it, WRITTEN) : PK_DONE;
+    return it->status = a->system->contacts.n ? change_at_kink(a, it, WRITTEN) : PK_DONE;
 }
 
 enum pk_status pk_actor_run(struct pk_actor *a, struct pk_integrator *it)
@@ -333,7 +362,8 @@ enum pk_status pk_actor_run(struct pk_actor *a, struct pk_integrator *it)
         return it->status =
                    pk_fail_with(it, PK_NO_PROGRESS,
                                 PK_WHY(.kind = PK_REASON_CROWD, .value = a->crowd, .time = passed));
-    return it->status = change(a, it, 0);
+    return it->status = it->status == PK_OFF_CONSTRAINTS ? change_at_kink(a, it, 0)
+                                                         : change(a, it, 0);
 }
 
 void pk_actor_keep(struct pk_actor *a, struct pk_keep *k)

@@ -68,24 +68,25 @@ pk_real pk_complement_result(const struct pk_complement *p, size_t i, pk_real *s
     return sum;
 }
 
-/* Changes the state of row i if it is wrong, and returns whether it was. */
+/* Changes the state of row i if it is wrong, and returns whether it was: also if others lead off a
+ * row that holds. */
 static int turn(struct pk_complement *p, size_t i, pk_real round)
 {
     pk_real size;
     const pk_real y = pk_complement_result(p, i, &size), x = p->x[i];
     const pk_real bound = p->S[i] + p->s[i] * pk_complement_push(p, i);
     const pk_real least = ROUND * size + p->least[i];
-    const int was = p->state[i];
+    const int was = p->state[i], off = was == 1 && p->kind[i] >= PK_PUSH && pk_abs(y) > least;
     round += p->least[i] / p->A[i * p->c + i];
-    if (p->kind[i] == PK_PUSH && was == 1 && x < -round)
+    if (p->kind[i] == PK_PUSH && was == 1 && (x < -round || (off && y > 0)))
         p->state[i] = 0;
     else if (p->kind[i] == PK_PUSH && was == 0 && y < -least)
         p->state[i] = 1;
-    else if (p->kind[i] == PK_RUB && was == 1 && pk_abs(x) > bound + round)
-        p->state[i] = x > 0 ? -2 : 2;
+    else if (p->kind[i] == PK_RUB && was == 1 && (off || pk_abs(x) > bound + round))
+        p->state[i] = (off ? y < 0 : x > 0) ? -2 : 2;
     else if (p->kind[i] == PK_RUB && was != 1 && (was > 0 ? -y : y) > least)
         p->state[i] = 1;
-    return p->state[i] != was;
+    return off || p->state[i] != was;
 }
 
 /* Solves for x, and changes the state of the first row that is wrong. Returns whether none was. */

@@ -18,9 +18,13 @@ static void sizes(struct pk_actor *a, struct rows *r)
     struct pk_projection *w = &r->w;
     const pk_real *v = a->next + a->n_q, *numbers[3] = {a->next, v, a->before};
     const int failed = w->system->acceleration(a->params, w->t, a->next, v, a->u, a->before);
-    for (int what = 0; what < 3 - (failed != 0); what++)
+    const int count = 3 - (failed != 0);
+    for (int what = 0; what < count; what++)
         for (size_t k = 0; k < (what ? w->m : w->rotation); k++) {
-            const pk_real size = PK_F(sqrt)(pk_project_mass(w, k)) * pk_abs(numbers[what][k]);
+            const pk_real since = what + 1 < count ? w->t - a->changed : 0; /* the last change */
+            const pk_real way = since > 0 ? numbers[what + 1][k] * since : 0;
+            const pk_real size = PK_F(sqrt)(pk_project_mass(w, k)) *
+                                 pk_max(pk_abs(way), pk_abs(numbers[what][k]));
             a->most[what] = pk_finite(size) ? pk_max(a->most[what], size) : a->most[what];
         }
     pk_project_slopes(w, a->next, v, w->J, w->c, w->mu);
@@ -326,7 +330,8 @@ enum pk_status pk_reactions(struct pk_actor *a, struct pk_integrator *it, struct
         const int ties = p.kind[i] == PK_RUB && p.state[i] == 1 &&
                          bound - pk_abs(p.x[i]) <= 10 * ROUND * bound;
         a->clings[k] = ties ? -100 * ROUND * bound * bound : 0;
-        a->idle[k] = depends[i] && p.kind[i] != PK_OUT && p.kind[i] != PK_SLIP;
+        a->idle[k] = depends[i] && p.kind[i] != PK_OUT && p.kind[i] != PK_SLIP &&
+                     pk_abs(r->acceleration[i]) <= ROUND * size + r->of_acceleration[i];
         a->state[k] = (pk_real)(p.state[i] == 1 && depends[i] ? 0 : p.state[i]);
         if (all->table[k].kind == PK_FRICTION && p.of[i] < p.c && !(pk_complement_push(&p, i) > 0))
             a->state[k] = 0;

@@ -61,7 +61,7 @@ static int is_free(const struct pk_events *e, size_t k)
  * switch may contain other switches. */
 enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
 {
-    pk_real *x = pk_events_sample(e, PK_MOST_SAMPLES + 1);
+    pk_real *x = pk_events_sample(e, PK_MOST_SAMPLES + 1), *ahead = pk_events_sample(e, 0);
     int changed = 1, reset = 0;
     e->kept = goes_on(e, it);
     if (e->n_switches == 0)
@@ -70,13 +70,18 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
         pk_zero(e->fresh, e->n_switches);
         return PK_DONE;
     }
+    const pk_real way = (4 * PK_EPS * pk_largest(it->q, it->n_q) + PK_TINY) /
+                        pk_max(pk_largest(it->v, it->n_q), PK_TINY);
     for (size_t round = 0; changed; round++) {
         if (round > e->n_switches + 1)
             return pk_fail(it, PK_SLIDING, 0);
         changed = 0;
+        for (size_t i = 0; i < it->n_q; i++) /* by rounding ahead, where a motion leads */
+            e->trial[i] = it->q[i] + way * it->v[i];
+        pk_switches_values(e, it, it->t, e->trial, it->v, ahead);
         pk_switches_values(e, it, it->t, it->q, it->v, x);
         for (size_t k = 0; k < e->n_switches; k++) {
-            /* An argument of exactly 0 counts as positive, since step(0) = 1. */
+            /* An argument that stays 0 counts as positive, since step(0) = 1. */
             const pk_real was = e->sides[k];
             e->fresh[k] = 0;
             if (e->kept && pk_switches_impulse(it, k))
@@ -85,10 +90,10 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
             e->fresh[k] = x[k] > zero || x[k] < zero ? 0 : 1;
             if (pk_switches_counted(it, k))
                 e->sides[k] = 2 * zero + 1;
-            else if (e->kept && e->fresh[k] > 0 && is_free(e, k))
-                continue;
+            else if (e->kept && e->fresh[k] > 0 && !(was <= 0 && was >= 0))
+                continue; /* it has a side, or is free */
             else
-                e->sides[k] = x[k] < 0 ? -1 : 1;
+                e->sides[k] = (e->fresh[k] > 0 ? ahead : x)[k] < 0 ? -1 : 1;
             changed |= !(e->sides[k] >= was && e->sides[k] <= was);
         }
         reset |= changed;

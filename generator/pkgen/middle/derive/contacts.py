@@ -15,7 +15,7 @@ from collections.abc import Iterable
 
 from ...equations import Constraints, Meeting, Quantity, Rows
 from ...graph.differentiate import gradient, symbols_in
-from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
+from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Symbol
 from ...graph.normal import Normal
 from ...graph.substitute import substituted
 from ...indices import multiplied, multipliers, parted
@@ -135,8 +135,11 @@ def _friction(x: Expander, item: Friction, number: dict[str, int]) -> Meeting:
         for push, slope in by.items():
             factor = slope
             of = x.model.contacts[known.index(push)].name
-        rest = _without(g, force)
-        bounds += [rest, factor]
+        parts = [_without(g, force), factor]
+        if ZERO in parts:  # a bound that varies is not below 0
+            varies = [g.depends[part] & VARIABLE for part in parts]
+            parts = [g.call("max", ZERO, x) if v else x for x, v in zip(parts, varies, strict=True)]
+        bounds += parts
     return Meeting(
         name=item.name,
         kind="FRICTION",

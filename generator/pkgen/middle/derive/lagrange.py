@@ -122,10 +122,11 @@ def located(e: Equations, wanted: Wanted) -> Equations:
     and `marks` (marks.py)."""
     forces = [*e.pdot, *e.force, *e.state_rates]
     outputs = [*e.pdot, *e.force, *sum(e.mass, ()), *e.state_rates]
-    name = naming(e)
-    found = switches_of(e.graph, outputs, name, switched(e, forces))
-    if e.constraints is not None:
-        outputs += [*e.constraints.positions, *e.constraints.residual]
+    name, c = naming(e), e.constraints
+    meets = [] if c is None else [*(c.residual[x.row] for x in c.meetings), *c.values]
+    found = switches_of(e.graph, [*outputs, *meets], name, switched(e, forces))
+    if c is not None:
+        outputs += [*c.positions, *c.residual]
     return replace(
         e,
         singularities=_singularities(e) if wanted("singularity") else (),
