@@ -72,12 +72,11 @@ static enum pk_status start(struct neighbour *x, struct pk_run *run, struct memo
     PK_TRY(motion_begin(&x->motion));
     const size_t reals = pk_actor_reals(&x->problem),
                  size = pk_events_size(&x->problem, x->motion.method);
-    PK_TRY(pk_actor_start(&x->actor, &x->motion.it, memory_take(memory, reals, sizeof *x->state)));
     PK_TRY(pk_events_init(&x->events, &x->motion.it, memory_take(memory, size, 1), size));
     x->events.found = found;
     x->events.context = x;
     x->actor.events = &x->events;
-    pk_actor_watch(&x->actor, &x->motion.it);
+    PK_TRY(pk_actor_start(&x->actor, &x->motion.it, memory_take(memory, reals, sizeof *x->state)));
     return refuse_closed(x);
 }
 
@@ -134,7 +133,6 @@ static int put(struct neighbour *b, struct neighbour *a, pk_real part, const pk_
         return 0;
     a->changes = b->changes = 0;
     pk_integrator_reset(it, from->t, q, v);
-    pk_actor_watch(&b->actor, it);
     return 1;
 }
 

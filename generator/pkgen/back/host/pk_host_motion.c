@@ -133,7 +133,9 @@ static int begin_contacts(struct pk_host_motion *m)
     if (!reals)
         return 1;
     m->acts = (double *)calloc(reals, sizeof *m->acts);
-    m->actor = (struct pk_actor){.system = problem->system, .params = problem->params, .u = m->u};
+    m->actor = (struct pk_actor){.system = problem->system, .params = problem->params};
+    m->actor.u = m->u;
+    m->actor.events = &m->events;
     if (!m->acts) {
         m->it.status = PK_NO_MEMORY;
         return 0;
@@ -181,17 +183,13 @@ struct pk_host_motion *pk_host_motion_new(const void *params, const char *method
         pk_integrator_reason(&m->it, pk_host_text, PK_HOST_TEXT);
         return refused(m, NULL);
     }
-    if (!begin_contacts(m)) {
-        pk_integrator_reason(&m->it, pk_host_text, PK_HOST_TEXT);
-        return refused(m, NULL);
-    }
     if (pk_events_init(&m->events, &m->it, m->events_block, events_size) < 0)
         return refused(m, "the events of the model cannot be looked for");
     m->events.found = cross;
     m->events.context = m;
-    if (m->acts) {
-        m->actor.events = &m->events;
-        pk_actor_watch(&m->actor, &m->it);
+    if (!begin_contacts(m)) {
+        pk_integrator_reason(&m->it, pk_host_text, PK_HOST_TEXT);
+        return refused(m, NULL);
     }
     keep(m, t, &m->it);
     state(m, m->y0, m->it.q, m->it.v);
