@@ -535,7 +535,8 @@ def compared(seed: int, folder: Path) -> dict:
             [len(run.events[f"c{k}"]) for k in range(len(lost))],
         )
         found["lost"] = abs(sum(mine) - sum(lost)) / max(1.0, sum(map(abs, lost)))
-        found["each"] = max(abs(a - b) for a, b in zip(mine, lost)) / max(1.0, sum(map(abs, lost)))
+        each = max(abs(a - b) for a, b in zip(mine, lost, strict=True))
+        found["each"] = each / max(1.0, sum(map(abs, lost)))
     return found
 
 
