@@ -78,3 +78,27 @@ def test_an_integrator_goes_past_what_changes_the_motion(how: dict) -> None:
     for k in range(1, 6):
         it.to(k)
         assert it.q == pytest.approx(np.array([run[x][k] for x in model.coordinates]), abs=1e-6)
+
+
+@pytest.mark.parametrize("more, told", [(1e-10, 1), (1e-9, 1), (1e-7, 0), (-1e-7, 0)])
+def test_a_graze_is_told(more: float, told: int, pkgen, tmp_path: Path) -> None:
+    """A ball thrown up to a ceiling, or a little more or less."""
+    model = tmp_path / "graze.lag"
+    model.write_text(
+        "model graze\nparam more = 0\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential 9.81*y\n"
+        "contact ceiling: 1 >= y restitution 0.5\nstart y' = sqrt(2*9.81)*(1 + more)\n",
+        encoding="utf-8",
+    )
+    done = pkgen("run", model, "--until", 1, "--set", f"more={more}")
+    at = "ceiling: touched without a normal force at t = 0.4515"
+    assert done.stderr.count(at) == told, done.stderr
+
+
+def test_a_touch_without_a_force_is_told(pkgen, tmp_path: Path) -> None:
+    model = tmp_path / "floats.lag"
+    text = "model floats\ncoord x, y\nkinetic (x'^2 + y'^2)/2\ncontact floor: y >= 0 friction 0.3\n"
+    model.write_text(text + "start x' = 1\n", encoding="utf-8")
+    assert (
+        "floor: touched without a normal force at t = 0:"
+        in pkgen("run", model, "--until", 1).stderr
+    )

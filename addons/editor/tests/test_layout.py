@@ -29,6 +29,7 @@ def of(text: str) -> Source:
 
 
 def comments(text: str) -> list[str]:
+    text = re.sub(r'"[^"\n]*"', '""', text)  # a sign in a string begins no comment
     return [found.rstrip() for found in re.findall("#.*", text)]
 
 

@@ -279,6 +279,10 @@ def _summary(report: dict, verbose: bool) -> list[str]:
     lines += [f"limits not met: {len(far)}"] if far else []
     rests = [x for x in report["contacts"] if x["rests"] is not None]
     lines += [f"contact {x['name']}: at rest from t = {x['rests']:.9g} on" for x in rests]
+    grazes = [x for x in report["contacts"] if x["grazes"] is not None]
+    touched = "touched without a normal force"
+    doubt = "rounding decides whether it strikes"
+    lines += [f"contact {x['name']}: {touched} at t = {x['grazes']:.9g}: {doubt}" for x in grazes]
     drifts = diagnostics_text.drift_lines if verbose else diagnostics_text.kept_line
     return lines + drifts(report["drifts"])
 

@@ -28,6 +28,7 @@ PK_BEGIN
  * NaN; `lost` is the energy that its impacts have taken. */
 struct pk_contact_seen {
     pk_real impacts, rests, lost;
+    pk_real grazes, closing; /* first time of a touch without a force, or NaN; last closing rate */
     pk_real highest, last, flight; /* largest height of a bounce; last impact, and time before it */
 };
 

@@ -101,7 +101,8 @@ static void report(const struct pk_run *run, struct json *j)
             continue;
         json_open(j, NULL, '{');
         json_text(j, "name", system->contacts.table[k].name);
-        json_reals(j, {"impacts", seen->impacts}, {"lost", seen->lost}, {"rests", seen->rests});
+        json_reals(j, {"impacts", seen->impacts}, {"lost", seen->lost}, {"rests", seen->rests},
+                   {"grazes", seen->grazes});
         json_close(j, '}');
     }
     json_close(j, ']');

@@ -104,6 +104,8 @@ static enum pk_status strike(struct pk_actor *a, struct pk_integrator *it, struc
         const size_t k = r->of[row];
         const int contact = k < a->system->contacts.n &&
                             a->system->contacts.table[k].kind == PK_CONTACT;
+        if (contact)
+            a->seen[k].closing = r->w.rate[row];
         if (k < a->system->contacts.n && !contact && !(a->u[r->mode[row]] > 0))
             continue;
         if (contact ? a->touches[k] > 0 && r->w.rate[row] < 0 && !pk_act_still(r, row)
@@ -134,6 +136,18 @@ static int is_low(struct pk_actor *a, const struct rows *r, size_t k, pk_real t)
     const pk_real ratio = seen->flight > flight ? flight / seen->flight : 0;
     seen->rests = t + flight / (1 - ratio);
     return 1;
+}
+
+/* Notes the first time at which contact k, which does not stay closed, closes so slowly that it
+ * would hardly pass 0, and opens by its acceleration or has none: rounding decides if it strikes. */
+static void note_graze(struct pk_actor *a, const struct rows *r, size_t k, pk_real t)
+{
+    const size_t row = a->system->contacts.table[k].row;
+    struct pk_contact_seen *seen = &a->seen[k];
+    const pk_real passes = 2 * WRITTEN * r->w.phi_size[row] * r->acceleration[row];
+    const int new = a->touches[k] > 0 && !happened(a, a->system->contacts.table[k].open);
+    if (new && !pk_finite(seen->grazes) && seen->closing * seen->closing <= passes)
+        seen->grazes = t;
 }
 
 /* Finds the modes that the accelerations allow, and writes them to the inputs. */
@@ -177,9 +191,10 @@ static enum pk_status settle(struct pk_actor *a, struct pk_integrator *it, struc
         u[2] = a->idle[k];
         if (table[k].kind == PK_FRICTION)
             u[1] = a->state[k] > 1 ? 1 : a->state[k] < 0 ? -1 : 0;
-        else if (!(u[0] > 0 || u[2] > 0))
+        else if (!(u[0] > 0 || u[2] > 0)) {
             a->seen[k].rests = (pk_real)NAN;
-        else if (!pk_finite(a->seen[k].rests))
+            note_graze(a, r, k, it->t);
+        } else if (!pk_finite(a->seen[k].rests))
             a->seen[k].rests = it->t;
     }
     return PK_DONE;
@@ -345,7 +360,7 @@ enum pk_status pk_actor_start(struct pk_actor *a, struct pk_integrator *it, pk_r
     a->acting = 0;
     a->stopped = 0;
     for (size_t k = 0; k < a->system->contacts.n; k++) {
-        a->seen[k].rests = a->seen[k].last = (pk_real)NAN;
+        a->seen[k].rests = a->seen[k].last = a->seen[k].grazes = (pk_real)NAN;
         a->u[table[k].mode] = table[k].kind == PK_LATCH && table[k].flag;
         a->u[table[k].mode + 1] = a->u[table[k].mode + 2] = 0;
     }
