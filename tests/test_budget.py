@@ -21,8 +21,8 @@ BUDGET = {  # area: lines, tokens
     # exponents of motions with impacts (290), kinks of gaps and grazes (60)
     "runtime": (34_000, 316_000),
     "addons": (24_100, 208_500),
-    # regimes of rows; arguments of 0, jumps of events; contacts against a reference, noise; contacts
-    # mixed with tables, samples and latches, their smoothed limit, regimes of impacts, billiards
+    # regimes of rows; arguments of 0, jumps of events; contacts against a reference, noise;
+    # contacts mixed with tables, samples, latches, their smooth limit, regimes, billiards
     "tests": (53_800, 501_000),
 }
 # The words for users: README.md and docs, without docs/dev. Forces at points, conditions and H took
