@@ -227,8 +227,8 @@ def _prime_misplaced(spot: Spot):
 def _comparison(spot: Spot):
     if spot.token.type not in ("LESS", "GREATER", "AT_MOST", "AT_LEAST", "SAME"):
         return None
-    if spot.word == "expect":
-        return f"'{spot.token}' has no place in an expectation", f"the form is: {spot.form}"
+    if what := {"expect": "an expectation", "contact": "a contact"}.get(spot.word):
+        return f"'{spot.token}' has no place in {what}", f"the form is: {spot.form}"
     if spot.token.type == "SAME" and "EQUAL" in spot.expected:
         return "'==' compares", "one '=' defines a name"
     return f"'{spot.token}' compares: a condition cannot stand here", STEP
