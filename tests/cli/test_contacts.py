@@ -102,3 +102,8 @@ def test_a_touch_without_a_force_is_told(pkgen, tmp_path: Path) -> None:
         "floor: touched without a normal force at t = 0:"
         in pkgen("run", model, "--until", 1).stderr
     )
+
+
+def test_a_description_has_contacts_by_name(pkgen) -> None:
+    said = pkgen("describe", CONTACT / "box_on_incline.lag").stdout
+    assert "contacts:     back, front\n" in said and "inputs:" not in said

@@ -38,8 +38,9 @@ def run(options: argparse.Namespace) -> None:
 def _lines(found: dict) -> list[str]:
     """Returns lines of text with the names in a description."""
     lines = [f"{found['model']}: {found['description']}".rstrip(": ")]
-    for what in ("parameters", "inputs", "coordinates", "states", "outputs", "constants", "events"):
-        names = [item["name"] for item in found[what] if not item.get("hidden")]
+    told = "parameters inputs coordinates states outputs constants events contacts"
+    for what in told.split():
+        names = [item["name"] for item in found.get(what, ()) if not item.get("hidden")]
         if names:
             more = f", ... ({len(names)})" if len(names) > MOST else ""
             lines.append(f"{what + ':':13} {', '.join(names[:MOST])}{more}")

@@ -43,6 +43,9 @@ def described(
     that drawn() adds. `given` has the parameters and the start, as the compiled library computed
     them."""
     model, of = compilation.declared, _Description(compilation, settings, given)
+    kinds = {"contact": model.contacts, "friction": model.frictions, "mode": model.modes}
+    own = ((x, "" if getattr(x, "of", "") else kind) for kind in kinds for x in kinds[kind])
+    meets = {x.name: kind for x, kind in own}  # without a kind: the friction of a contact
     return {
         "schema": SCHEMA,
         "pkgen": __version__,
@@ -63,10 +66,12 @@ def described(
                 **_named(item.quantity, k),
                 "value": dict(settings.inputs).get(k, 0.0),
                 **({"sampled_by": by} if (by := block_of(model, item.quantity.name)) else {}),
+                **({"hidden": True} if by in meets else {}),
             }
             for k, item in enumerate(named.inputs(compilation).declared)
         ],
         **({"samples": list(of.samples())} if model.samples else {}),
+        **({"contacts": [{"name": x, "kind": k} for x, k in meets.items() if k]} if meets else {}),
         "coordinates": list(of.coordinates()),
         "states": list(of.states()),
         "rotations": list(of.rotations()),
