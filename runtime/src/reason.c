@@ -235,14 +235,16 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     case PK_PENETRATES:
         return SAY("%s: %s is %.6g", what, system->contacts.table[index].name, value);
     case PK_NO_CONTACT:
-        if (kind > 1)
+        if (kind >= PK_REASON_RESTITUTION)
             return SAY("%s: %s of %s is %.6g: it is %s", what,
-                       kind == 2 ? "the restitution" : "a bound of the friction",
+                       kind == PK_REASON_RESTITUTION ? "the restitution"
+                                                     : "a bound of the friction",
                        system->contacts.table[index].name, value,
-                       kind == 2 ? "from 0 to 1" : "at least 0");
+                       kind == PK_REASON_RESTITUTION ? "from 0 to 1" : "at least 0");
         return SAY("%s: %s of %s: friction that grows with the force that it causes (Painleve), "
                    "or impulses that contradict each other",
-                   what, kind ? "impulses" : "accelerations", contacts_of(it, name, sizeof name));
+                   what, kind == PK_REASON_IMPULSES ? "impulses" : "accelerations",
+                   contacts_of(it, name, sizeof name));
     case PK_NO_IMPULSE:
         return pk_impulse_reason(it, text, size);
     case PK_OFF_CONSTRAINTS:

@@ -1,4 +1,4 @@
-"""What commands say of contacts; tests/runs/test_contacts_random.py has their motions."""
+"""Messages of commands about contacts; tests/runs/test_contacts_random.py has their motions."""
 
 from __future__ import annotations
 

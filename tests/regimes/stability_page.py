@@ -131,7 +131,7 @@ def command_of(id: str) -> str:
 
 CHARTS = """\
 
-## What accuracy costs beside impacts and friction
+## Accuracy against cost beside impacts and friction
 
 `make pictures ONLY="chart_walled_pendulum.svg chart_touched_wall.svg chart_creep.svg"` draws these,
 by `pkgen chart` of three of the models above. The reference is that of every chart: the same motion

@@ -19,7 +19,7 @@ import live
 from rows import OUTPUT, ROOT, drawn
 
 CARD = ("bead_on_hoop", "coupled_oscillators", "double_pendulum", "elastic_pendulum", "heavy_top")
-# Of tests/regimes/models: a wall that is struck, one that is only touched, friction made smooth.
+# Models in tests/regimes/models: a struck wall, a touched wall, smooth friction.
 REGIMES = {
     "walled_pendulum": "8 --methods verlet,rk4,dopri5,dop853,gauss,radau",
     "touched_wall": "2 --methods verlet,rk4,dopri5,dop853,gauss,radau",

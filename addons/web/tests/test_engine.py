@@ -101,6 +101,14 @@ def test_contacts_go_as_in_a_run(name: str, folder: Path) -> None:
     assert compare(ROOT / "models" / "contact" / f"{name}.lag", folder, every=0.3773) >= 200
 
 
+def test_a_contact_slides_over_a_kink_as_in_a_run(folder: Path, tmp_path: Path) -> None:
+    """Its rates break the closed gap behind the kink, where it opens."""
+    text = "model kink\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential y\n"
+    text += "contact floor: y - min(x/2, 1 - x/2) >= 0\nstart x = 0.2, y = 0.1, x' = 2, y' = 1\n"
+    (tmp_path / "kink.lag").write_text(text)
+    assert compare(tmp_path / "kink.lag", folder, every=0.3) >= 200
+
+
 def test_own_methods_and_a_fast_part_go_as_in_a_run(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "own3.tab").write_text("A\n0\n1/3\n0 2/3\nb 1/4 0 3/4\n")
     (tmp_path / "pair.tab").write_text("A\n0\n1\nb 1/2 1/2\nbhat 1 0\n")

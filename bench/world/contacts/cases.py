@@ -14,9 +14,9 @@ from numpy.polynomial.legendre import leggauss
 TIMES = {"ball": (3.2, 6.0), "cradle": (1.0,), "rock": (3.0, 14.0), "box": (10.0,)}
 TIMES |= {"belt": (17.0, 60.0), "graze": (10.0,)}
 G = 9.81
-SLENDER, TILT = 0.2, 0.1  # of the rocking block, whose diagonal is 2 m
+SLENDER, TILT = 0.2, 0.1  # rocking block: angles in rad; its diagonal is 2 m
 GAP = LESS = 1e-6  # between balls at rest; by how much the oscillator passes or misses the stop
-MU, OVER, SPEED = 0.5, 1e-6, 4e-5  # of the box: tan(slope) is mu -+ OVER; it begins with SPEED
+MU, OVER, SPEED = 0.5, 1e-6, 4e-5  # box: tan(slope) is MU -+ OVER, its first rate SPEED
 
 
 def ball() -> list[float]:
@@ -144,7 +144,7 @@ def _rows(model: str, end: list[float]) -> list[list[float]]:
 
 
 def energy(model: str, row: list[float]) -> float:
-    """Of a unit mass or moment, from rest at the lowest."""
+    """The energy for a unit mass or moment; 0 is at rest at the lowest place."""
     n = len(row) // 2
     x, kinetic = row[0], sum(v**2 for v in row[n:]) / 2
     if model == "rock":

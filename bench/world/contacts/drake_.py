@@ -152,7 +152,7 @@ def plant_of(step, slope, a, b, mass, friction, belt=None):
 
 
 def plants(name):
-    """Of each run the plant's values, the pose and the rate, and the coordinate that is asked."""
+    """For each run: values of the plant, the pose, the rate, and the coordinate compared."""
     a, b, c, s = np.sin(SLENDER), np.cos(SLENDER), np.cos(TILT), np.sin(TILT)
     if name == "rock":
         return [((1e-3, 0, a, b, 1, (3, 3)), [a * c - b * s, a * s + b * c, TILT], 0, 2)]

@@ -28,7 +28,7 @@ PK_BEGIN
  * NaN; `lost` is the energy that its impacts have taken. */
 struct pk_contact_seen {
     pk_real impacts, rests, lost;
-    pk_real grazes, closing; /* first time of a touch without a force, or NaN; last closing rate */
+    pk_real grazes;                /* first time of a touch without a force, or NaN */
     pk_real highest, last, flight; /* largest height of a bounce; last impact, and time before it */
 };
 
@@ -65,6 +65,9 @@ int pk_actor_note(struct pk_actor *a, const struct pk_events *events);
 /* Changes the motion at the events noted, and resets the integrator there. Returns
  * PK_STOPPED_EVENT if one of them ends the run; else PK_DONE, or a failure as pk_actor_start(). */
 enum pk_status pk_actor_run(struct pk_actor *a, struct pk_integrator *it);
+/* Returns the status of pk_actor_run() if a step that ended with `status` ended at an event noted
+ * that changes the motion, or if rates break a closed gap behind a kink; else `status`. */
+enum pk_status pk_actor_act(struct pk_actor *a, struct pk_integrator *it, enum pk_status status);
 void pk_actor_keep(struct pk_actor *a, struct pk_keep *k);
 
 PK_END

@@ -36,14 +36,6 @@ static int found(void *context, const struct pk_events *events)
     return run->write_failed || run->actor.acting;
 }
 
-/* Changes the motion at an event that does, or where its rates break a closed gap behind a kink. */
-static enum pk_status act(struct pk_run *run, enum pk_status status)
-{
-    const int acts = status == PK_OFF_CONSTRAINTS ? run->acts && run->events.at_switch
-                                                  : status == PK_STOPPED_EVENT && run->actor.acting;
-    return acts ? pk_actor_run(&run->actor, &run->it) : status;
-}
-
 static void doubtful(void *context, const struct pk_events *events)
 {
     struct pk_run *run = context;
@@ -120,7 +112,8 @@ enum pk_status crossings_step(struct pk_run *run, pk_real limit)
 {
     if (!run->crossed)
         return pk_integrator_step(&run->it, limit);
-    const enum pk_status status = act(run, pk_events_step(&run->events, &run->it, limit));
+    const enum pk_status status =
+        pk_actor_act(&run->actor, &run->it, pk_events_step(&run->events, &run->it, limit));
     if (status >= 0)
         note_leaving(run);
     return status;
@@ -177,11 +170,13 @@ enum pk_status crossings_to(struct pk_run *run, pk_real t, int one_step, int see
             status = seen ? crossings_sample(run) : pk_sampler_run(&run->sampler, it);
         const pk_real end = run->bare.samples.n ? pk_sampler_limit(&run->sampler, t) : t;
         if (status == PK_DONE && one_step)
-            status = run->crossed ? act(run, pk_events_step(&run->events, it, end))
-                                  : pk_integrator_step(it, end);
+            status = run->crossed
+                         ? pk_actor_act(&run->actor, it, pk_events_step(&run->events, it, end))
+                         : pk_integrator_step(it, end);
         else if (status == PK_DONE)
-            status = run->crossed ? act(run, pk_events_to(&run->events, it, end))
-                                  : pk_integrator_to(it, end);
+            status = run->crossed
+                         ? pk_actor_act(&run->actor, it, pk_events_to(&run->events, it, end))
+                         : pk_integrator_to(it, end);
     } while (status == PK_DONE && it->t < t && !one_step);
     if (run->bare.samples.n && status == PK_DONE)
         status = seen ? crossings_sample(run) : pk_sampler_run(&run->sampler, it);

@@ -80,6 +80,9 @@ enum {
 };
 /* Kinds for PK_STEP_UNDERFLOW: what changes too fast. */
 enum { PK_REASON_LENGTH, PK_REASON_TIME_SCALE };
+/* Kinds for PK_NO_CONTACT: no accelerations or impulses are found, or `value` is no restitution or
+ * no bound of a friction. */
+enum { PK_REASON_ACCELERATIONS, PK_REASON_IMPULSES, PK_REASON_RESTITUTION, PK_REASON_BOUND };
 /* A kind for PK_NO_PROGRESS: contacts and frictions change `value` times within `time`. */
 enum { PK_REASON_STEPS, PK_REASON_CROWD };
 /* Kinds for PK_SINGULAR_TIME: whether the acceleration grows towards the singularity. */

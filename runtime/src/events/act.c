@@ -24,9 +24,9 @@ static size_t lay_out(struct pk_actor *a, const struct pk_problem *problem, pk_r
     const struct pk_slot slots[] = {
         {&seen, e * sizeof *a->seen / sizeof *seen}, {&a->happened, system->events.n},
         {&a->next, n_q + n + system->n_inputs}, {&a->before, n_q + n + system->n_inputs},
-        {&a->values, 5 * e}, {&a->touches, e}, {&a->state, e}, {&a->idle, e}, {&a->floats, e}, {&a->clings, e}, {&a->A, e ? c * c : 0},
-        {&a->b, c}, {&a->x, c}, {&a->B, e ? c * (c + 1) : 0},
-        {&a->room, e ? pk_project_room(problem, n) : 0}};
+        {&a->values, 5 * e}, {&a->touches, e}, {&a->state, e}, {&a->idle, e}, {&a->floats, e},
+        {&a->clings, e}, {&a->A, e ? c * c : 0}, {&a->b, c}, {&a->x, c},
+        {&a->B, e ? c * (c + 1) : 0}, {&a->room, e ? pk_project_room(problem, n) : 0}};
     /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
     a->seen = (struct pk_contact_seen *)(void *)seen;
@@ -104,8 +104,6 @@ static enum pk_status strike(struct pk_actor *a, struct pk_integrator *it, struc
         const size_t k = r->of[row];
         const int contact = k < a->system->contacts.n &&
                             a->system->contacts.table[k].kind == PK_CONTACT;
-        if (contact)
-            a->seen[k].closing = r->w.rate[row];
         if (k < a->system->contacts.n && !contact && !(a->u[r->mode[row]] > 0))
             continue;
         if (contact ? a->touches[k] > 0 && r->w.rate[row] < 0 && !pk_act_still(r, row)
@@ -145,8 +143,8 @@ static void note_graze(struct pk_actor *a, const struct rows *r, size_t k, pk_re
     const size_t row = a->system->contacts.table[k].row;
     struct pk_contact_seen *seen = &a->seen[k];
     const pk_real passes = 2 * WRITTEN * r->w.phi_size[row] * r->acceleration[row];
-    const int new = a->touches[k] > 0 && !happened(a, a->system->contacts.table[k].open);
-    if (new && !pk_finite(seen->grazes) && seen->closing * seen->closing <= passes)
+    const int closes = a->touches[k] > 0 && !happened(a, a->system->contacts.table[k].open);
+    if (closes && !pk_finite(seen->grazes) && r->before[row] * r->before[row] <= passes)
         seen->grazes = t;
 }
 
@@ -227,6 +225,7 @@ static enum pk_status contacts(struct pk_actor *a, struct pk_integrator *it, pk_
     pk_copy(a->u, u, a->system->n_inputs);
     PK_TRY(pk_act_rows(a, it, &r));
     PK_TRY(touch(a, it, &r, within));
+    pk_copy(r.before, r.w.rate, r.w.c);
     PK_TRY(strike(a, it, &r));
     PK_TRY(settle(a, it, &r));
     pk_copy(a->u, u, a->system->n_inputs);
@@ -352,11 +351,12 @@ static enum pk_status change_at_kink(struct pk_actor *a, struct pk_integrator *i
 enum pk_status pk_actor_start(struct pk_actor *a, struct pk_integrator *it, pk_real *work)
 {
     const struct pk_contact *table = a->system->contacts.table;
-    lay_out(a, &it->problem, work);
     pk_zero(work, lay_out(a, &it->problem, NULL));
     lay_out(a, &it->problem, work);
     a->work = work;
     a->order_t = (pk_real)NAN;
+    a->changed = a->crowd_from = it->t;
+    a->crowd = 0;
     a->acting = 0;
     a->stopped = 0;
     for (size_t k = 0; k < a->system->contacts.n; k++) {
@@ -379,6 +379,12 @@ enum pk_status pk_actor_run(struct pk_actor *a, struct pk_integrator *it)
                                 PK_WHY(.kind = PK_REASON_CROWD, .value = a->crowd, .time = passed));
     return it->status = it->status == PK_OFF_CONSTRAINTS ? change_at_kink(a, it, 0)
                                                          : change(a, it, 0);
+}
+
+enum pk_status pk_actor_act(struct pk_actor *a, struct pk_integrator *it, enum pk_status status)
+{
+    const int kink = status == PK_OFF_CONSTRAINTS && a->system->contacts.n && a->events->at_switch;
+    return kink || (status == PK_STOPPED_EVENT && a->acting) ? pk_actor_run(a, it) : status;
 }
 
 void pk_actor_keep(struct pk_actor *a, struct pk_keep *k)

@@ -15,7 +15,8 @@ struct rows {
     size_t of[PK_MOST_ROWS], mode[PK_MOST_ROWS];
     /* rounding errors of gaps, rates and accelerations of the rows */
     pk_real of_gap[PK_MOST_ROWS], of_rate[PK_MOST_ROWS], of_acceleration[PK_MOST_ROWS];
-    pk_real acceleration[PK_MOST_ROWS];
+    pk_real before[PK_MOST_ROWS],
+        acceleration[PK_MOST_ROWS]; /* before: the rates before impulses */
 };
 
 /* Returns whether the rate of a row is 0 up to rounding. */

@@ -72,7 +72,8 @@ enum pk_status pk_act_rows(struct pk_actor *a, struct pk_integrator *it, struct 
             if (bounds[i] < 0 || (contact && bounds[i] > 1))
                 return pk_fail_with(
                     it, PK_NO_CONTACT,
-                    PK_WHY(.kind = contact ? 2 : 3, .index = k, .value = bounds[i], .time = it->t));
+                    PK_WHY(.kind = contact ? PK_REASON_RESTITUTION : PK_REASON_BOUND, .index = k,
+                           .value = bounds[i], .time = it->t));
     }
     return PK_DONE;
 }
@@ -246,7 +247,7 @@ enum pk_status pk_impact(struct pk_actor *a, struct pk_integrator *it, struct ro
 {
     pk_real x[PK_MOST_ROWS];
     if (!impulses(a, r, r->w.rate, x))
-        return pk_fail_with(it, PK_NO_CONTACT, PK_WHY(.kind = 1, .time = it->t));
+        return pk_fail_with(it, PK_NO_CONTACT, PK_WHY(.kind = PK_REASON_IMPULSES, .time = it->t));
     order(a, it, r, x);
     apply(a, r, x, it->t);
     return PK_DONE;
@@ -315,7 +316,8 @@ enum pk_status pk_reactions(struct pk_actor *a, struct pk_integrator *it, struct
             p.state[i] = p.x[i] > 0 ? -2 : 2, ends = 1;
     }
     if (!found || (ends && !pk_complement(&p)))
-        return pk_fail_with(it, PK_NO_CONTACT, PK_WHY(.time = it->t));
+        return pk_fail_with(it, PK_NO_CONTACT,
+                            PK_WHY(.kind = PK_REASON_ACCELERATIONS, .time = it->t));
     int depends[PK_MOST_ROWS];
     depend(&p, depends);
     for (size_t i = 0; i < p.c; i++) {

@@ -130,12 +130,12 @@ static int begin_contacts(struct pk_host_motion *m)
 {
     const struct pk_problem *problem = &m->it.problem;
     const size_t reals = pk_actor_reals(problem);
-    if (!reals)
-        return 1;
-    m->acts = (double *)calloc(reals, sizeof *m->acts);
     m->actor = (struct pk_actor){.system = problem->system, .params = problem->params};
     m->actor.u = m->u;
     m->actor.events = &m->events;
+    if (!reals)
+        return 1;
+    m->acts = (double *)calloc(reals, sizeof *m->acts);
     if (!m->acts) {
         m->it.status = PK_NO_MEMORY;
         return 0;
@@ -267,9 +267,10 @@ static int cover(struct pk_host_motion *m, double t, double budget)
         } else {
             m->from = it->t;
             status = pk_events_step(&m->events, it, fixed ? pk_integrator_limit(it, t, far) : end);
+            if (status == PK_STOPPED_EVENT && m->actor.acting)
+                continue;
+            status = pk_actor_act(&m->actor, it, status);
         }
-        if (status == PK_STOPPED_EVENT && m->actor.acting)
-            continue;
         m->stopped = status == PK_STOPPED_EVENT;
         if (m->stopped)
             break;
