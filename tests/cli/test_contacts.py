@@ -90,8 +90,7 @@ def test_a_graze_is_told(more: float, told: int, pkgen, tmp_path: Path) -> None:
         encoding="utf-8",
     )
     done = pkgen("run", model, "--until", 1, "--set", f"more={more}")
-    at = "ceiling: touched without a normal force at t = 0.4515"
-    assert done.stderr.count(at) == told, done.stderr
+    assert done.stderr.count("contact ceiling: touched without a normal force") == told, done.stderr
 
 
 def test_a_touch_without_a_force_is_told(pkgen, tmp_path: Path) -> None:

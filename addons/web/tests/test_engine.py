@@ -92,13 +92,13 @@ def test_every_method_goes_as_in_a_run(name: str, folder: Path) -> None:
     assert compare(ROOT / "models" / f"{name}.lag", folder) >= 150
 
 
-HIT = ("stick_slip_belt", "bouncing_ball", "rocking_block")
+HIT = {"rocking_block": 0.3773, "bouncing_ball": 0.3773, "stick_slip_belt": 1.7073}
 
 
-@pytest.mark.parametrize("name", long_but(["stick_slip_belt"], HIT))
+@pytest.mark.parametrize("name", long_but(["rocking_block"], HIT))
 def test_contacts_go_as_in_a_run(name: str, folder: Path) -> None:
     """They close, stick and open again within these times."""
-    assert compare(ROOT / "models" / "contact" / f"{name}.lag", folder, every=0.3773) >= 200
+    assert compare(ROOT / "models" / "contact" / f"{name}.lag", folder, every=HIT[name]) >= 200
 
 
 def test_a_contact_slides_over_a_kink_as_in_a_run(folder: Path, tmp_path: Path) -> None:

@@ -39,7 +39,7 @@ def rock():
         return [y[1], edge.direction * 0.75 * 9.81 * np.sin(0.2 - abs(y[0]))]
 
     def hit(y, i):
-        edge.direction = -np.sign(y[1])  # sign of the next crossing: solve_ivp would find a start at 0 again
+        edge.direction = -np.sign(y[1])  # else a start at 0 is found again
         return [0, kept * y[1]]
 
     return [0.1, 0], f, [edge], hit
