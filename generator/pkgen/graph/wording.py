@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 
 from ..functions import FUNCTIONS
@@ -19,13 +19,18 @@ Worded = tuple[str, int]
 def wording(g: Graph, node: Node, name: Callable[[Symbol], str]) -> str:
     """Returns the text of a node, truncated to LONGEST characters; `name` returns the name of a
     symbol."""
+    return wordings(g, [node], name)[0]
+
+
+def wordings(g: Graph, nodes: Iterable[Node], name: Callable[[Symbol], str]) -> list[str]:
+    """Returns the texts of several nodes, as wording() does."""
 
     def written(part: Node, parts: list[Worded]) -> Worded:
         text, tightness = _joined(g, part, parts, name)
         return text[: 2 * LONGEST], tightness  # the result is truncated further
 
-    ((text, _),) = swept(g, [node], written)
-    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
+    texts = [text for text, _ in swept(g, nodes, written)]
+    return [x if len(x) <= LONGEST else x[: LONGEST - 3] + "..." for x in texts]
 
 
 def _joined(g: Graph, node: Node, parts: list[Worded], name: Callable[[Symbol], str]) -> Worded:

@@ -85,10 +85,6 @@ def _best_break(line: str) -> int | None:
     best break has the least depth of brackets; among equals a break before + or - is better than
     one before * or /, and then the last one is best."""
     start = len(line) - len(line.lstrip())
-    depths, depth = [], 0
-    for c in line[: WIDTH + 1]:
-        depth += (c == "(") - (c == ")")
-        depths.append(depth)
     strings = [m.span() for m in _STRING.finditer(line)]
     every = [
         m.start()
@@ -99,4 +95,8 @@ def _best_break(line: str) -> int | None:
     if not places:
         return every[0] if every else None
     late = [at for at in places if at > start + (WIDTH - start) * 2 // 5] or places
-    return min(late, key=lambda at: (depths[at], line[at + 1] in "*/", -at), default=None)
+
+    def rank(at: int) -> tuple[int, bool, int]:
+        return line.count("(", 0, at) - line.count(")", 0, at), line[at + 1] in "*/", -at
+
+    return min(late, key=rank, default=None)

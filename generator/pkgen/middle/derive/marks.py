@@ -24,7 +24,7 @@ from ...equations import Quantity, Switch
 from ...functions import FUNCTIONS
 from ...graph.differentiate import reachable
 from ...graph.graph import VARIABLE, ZERO, Graph, Node, Op, Symbol
-from ...graph.wording import wording
+from ...graph.wording import wordings
 from ..points.squares import summands
 
 LADDER = [Fraction(1, 1000**k) for k in range(9)]
@@ -55,11 +55,12 @@ def marks_of(
 ) -> tuple[Switch, ...]:
     """Returns the marks of the expressions `outputs`. If both u and -u occur, only the first is
     returned."""
-    found: dict[Node, Switch] = {}
+    found: dict[Node, Node] = {}  # by each mark the function's node
     for node in reachable(g, outputs, VARIABLE):
         if not g.depends[node] & VARIABLE:
             continue
         for u in _arguments(g, node):
             if g.negate(u) not in found:
-                found.setdefault(u, Switch(Quantity(wording(g, node, name), "", ""), u))
-    return tuple(found.values())
+                found.setdefault(u, node)
+    texts = wordings(g, found.values(), name)
+    return tuple(Switch(Quantity(x, "", ""), u) for x, u in zip(texts, found, strict=True))
