@@ -14,7 +14,7 @@ Families (q[1..N]) are unrolled: each member is a separate quantity, in declarat
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from .graph.graph import Graph, Node
@@ -298,6 +298,8 @@ class Equations:
     flight: Equations | None = None  # for C: these while no contact, friction or latch holds
     fast: Row | None = None  # acceleration by the `fast` terms of V; None if no term is fast
     noise: Noise | None = None
+    # For C: the requested Jacobians by name (middle/derive/sensitivity.py).
+    sensitivity: Mapping[str, Matrix] | None = None
 
     @property
     def moving(self) -> tuple[str, ...]:

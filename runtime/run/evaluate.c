@@ -53,31 +53,42 @@ static int jacobian(const struct pk_problem *problem, pk_real t, const pk_real *
 /* A kernel by its name. `width` is its number of values per state, or 0 if the system lacks it. */
 struct kernel {
     const char *name;
-    enum { ACCELERATION, JACOBIAN, FIRST, SECOND, SLOPES, ENERGY, PLAIN } kind;
+    enum { ACCELERATION, JACOBIAN, FIRST, SECOND, SLOPES, ENERGY, MOVING, PLAIN } kind;
     size_t width;
     pk_kernel *plain;
     pk_kernel_2 *pair; /* of a kernel that is the FIRST or the SECOND result of this one */
+    pk_kernel_moving *moving;
 };
 
 static struct kernel find(const struct settings *s, const char *name)
 {
     const struct pk_system *system = s->system;
     const size_t n = s->n, solved = system->acceleration ? n : 0;
-    pk_kernel_2 *const rows = system->constraints.jacobian;
+    const struct pk_part_constraints *held = &system->constraints;
+    pk_kernel_2 *const rows = held->jacobian;
     pk_kernel_2 *const free = system->unconstrained ? system->unconstrained : system->canonical;
+    const struct pk_part_sensitivity *by = &system->sensitivity;
+    const size_t n_p = system->n_parameters, n_u = system->n_inputs;
+    const size_t outputs = pk_system_outputs(system, s->params);
     const struct kernel kernels[] = {
-        {"acceleration", ACCELERATION, solved, NULL, NULL},
-        {"jacobian", JACOBIAN, 2 * n * solved, NULL, NULL},
-        {"momenta", FIRST, system->canonical ? n : 0, NULL, system->canonical},
-        {"free momenta", FIRST, free ? n : 0, NULL, free},
-        {"momentum jacobian", SLOPES, system->jacobian ? 3 * n * n : 0, NULL, NULL},
-        {"constraint jacobian", FIRST, system->constraints.n * n, NULL, rows},
-        {"constraint rates", SECOND, system->constraints.n, NULL, rows},
-        {"energy", ENERGY, system->energy != NULL, NULL, NULL},
-        {"force", PLAIN, system->force ? n : 0, system->force, NULL},
-        {"mass", PLAIN, system->mass ? n * n : 0, system->mass, NULL},
-        {"outputs", PLAIN, pk_system_outputs(system, s->params), system->observe, NULL},
-        {"", PLAIN, 0, NULL, NULL},
+        {"acceleration", ACCELERATION, .width = solved},
+        {"jacobian", JACOBIAN, .width = 2 * n * solved},
+        {"momenta", FIRST, system->canonical ? n : 0, .pair = system->canonical},
+        {"free momenta", FIRST, free ? n : 0, .pair = free},
+        {"momentum jacobian", SLOPES, .width = system->jacobian ? 3 * n * n : 0},
+        {"constraint jacobian", FIRST, held->n * n, .pair = rows},
+        {"constraint", PLAIN, held->n_holonomic, .plain = held->values},
+        {"constraint rates", SECOND, held->n, .pair = rows},
+        {"energy", ENERGY, .width = system->energy != NULL},
+        {"force", PLAIN, system->force ? n : 0, .plain = system->force},
+        {"mass", PLAIN, system->mass ? n * n : 0, .plain = system->mass},
+        {"outputs", PLAIN, outputs, .plain = system->observe},
+        {"r_u", MOVING, by->r_u ? n * n_u : 0, .moving = by->r_u},
+        {"r_p", MOVING, by->r_p ? n * n_p : 0, .moving = by->r_p},
+        {"out_x", PLAIN, by->out_x ? 2 * n * outputs : 0, .plain = by->out_x},
+        {"out_u", PLAIN, by->out_u ? n_u * outputs : 0, .plain = by->out_u},
+        {"out_p", PLAIN, by->out_p ? n_p * outputs : 0, .plain = by->out_p},
+        {"", PLAIN, .width = 0},
     };
     const struct kernel *k = kernels;
     while (*k->name && strcmp(k->name, name) != 0)
@@ -107,6 +118,11 @@ static int at(const struct settings *s, const struct pk_problem *problem, const 
         return 1;
     case ENERGY:
         *out = system->energy(s->params, t, q, v, u);
+        return 1;
+    case MOVING:
+        if (system->acceleration(s->params, t, q, v, u, work))
+            return 0;
+        k->moving(s->params, t, q, v, u, work, out);
         return 1;
     default:
         k->plain(s->params, t, q, v, u, out);

@@ -242,21 +242,21 @@ def jacobians_of(g: Graph, motion: Motion, lagrangian: bool = True) -> dict[str,
     symmetric, and d(dL/dq_i)/dv_j = dp_j/dq_i, which saves work."""
     n = len(motion.momenta)
     q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
-    p_q = _matrix(g, motion.momenta, q, COORDINATES)
+    p_q = matrix(g, motion.momenta, q, COORDINATES)
     p_q_transposed = tuple(zip(*p_q, strict=True))
     if not lagrangian:
-        ways = [(_matrix(g, motion.pdot, q, COORDINATES), _matrix(g, motion.pdot, v, RATES))]
+        ways = [(matrix(g, motion.pdot, q, COORDINATES), matrix(g, motion.pdot, v, RATES))]
     elif all(node == ZERO for node in motion.applied):
         ways = [(_symmetric_matrix(g, motion.pdot, q, COORDINATES), p_q_transposed)]
     else:
         second = _symmetric_matrix(g, motion.gradient, q, COORDINATES)
-        applied_q = _matrix(g, motion.applied, q, COORDINATES)
-        applied_v = _matrix(g, motion.applied, v, RATES)
+        applied_q = matrix(g, motion.applied, q, COORDINATES)
+        applied_v = matrix(g, motion.applied, v, RATES)
         ways = [(_sum(g, second, applied_q), _sum(g, p_q_transposed, applied_v))]
         # Applied forces may cancel a part of the gradient. The derivatives of the sum pdot of both
         # are then shorter than the derivatives of the gradient and of the forces.
         if len(reachable(g, motion.pdot)) <= THOROUGH:
-            direct = _matrix(g, motion.pdot, q, COORDINATES), _matrix(g, motion.pdot, v, RATES)
+            direct = matrix(g, motion.pdot, q, COORDINATES), matrix(g, motion.pdot, v, RATES)
             ways.append(direct)
     found = [shortened(g, (x for matrix in (p_q, *way) for x in sum(matrix, ()))) for way in ways]
     best = found[0] if len(found) == 1 else min(found, key=lambda x: operations(g, x))
@@ -264,16 +264,19 @@ def jacobians_of(g: Graph, motion: Motion, lagrangian: bool = True) -> dict[str,
     return {field: tuple(rows[k * n : (k + 1) * n]) for k, field in enumerate(NO_JACOBIANS)}
 
 
+def residual(g: Graph, force: Row, mass: Matrix) -> Row:
+    """Returns r = f - M a, in which a are symbols."""
+    a = symbols(g, Kind.ACCELERATION, len(force))
+    return tuple(g.subtract(f, g.dot(row, a)) for f, row in zip(force, mass, strict=True))
+
+
 def linear_of(g: Graph, motion: Motion) -> Linear:
     """Returns the derivatives of r = f - M a by q, v and t at constant a and inputs."""
     n = len(motion.force)
     q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
-    a = symbols(g, Kind.ACCELERATION, n)
-    r = tuple(
-        g.subtract(f, g.dot(row, a)) for f, row in zip(motion.force, motion.mass, strict=True)
-    )
-    r_q, r_v = _matrix(g, r, q, COORDINATES), _matrix(g, r, v, RATES)
-    r_t = _matrix(g, r, symbols(g, Kind.TIME, 1), TIME)
+    r = residual(g, motion.force, motion.mass)
+    r_q, r_v = matrix(g, r, q, COORDINATES), matrix(g, r, v, RATES)
+    r_t = matrix(g, r, symbols(g, Kind.TIME, 1), TIME)
     entries = shortened(g, (entry for row in (*r_q, *r_v, *r_t) for entry in row))
     rows = [tuple(entries[i : i + n]) for i in range(0, len(entries), n)]
     return Linear(tuple(rows[:n]), tuple(rows[n : 2 * n]), rows[2 * n])
@@ -283,7 +286,8 @@ def _sum(g: Graph, a: Matrix, b: Matrix) -> Matrix:
     return tuple(tuple(map(g.add, x, y)) for x, y in zip(a, b, strict=True))
 
 
-def _matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:
+def matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:
+    """Returns the derivatives of `rows` by the symbols `by`, whose kinds are in `mask`."""
     columns = Columns(g, rows, mask)
     found = [columns.column(symbol) for symbol in by]
     return tuple(tuple(column.get(row, ZERO) for column in found) for row in rows)

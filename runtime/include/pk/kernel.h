@@ -19,6 +19,9 @@ struct pk_quantity {
 /* Writes `out` at (t, q, v, u). */
 typedef void pk_kernel(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                        const pk_real *u, pk_real *out);
+/* Does the same at the acceleration a. */
+typedef void pk_kernel_moving(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                              const pk_real *u, const pk_real *a, pk_real *out);
 /* Does the same with two output arrays. */
 typedef void pk_kernel_2(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                          const pk_real *u, pk_real *out, pk_real *second);

@@ -141,6 +141,13 @@ struct pk_part_noise {
     pk_kernel_2 *values;
 };
 
+/* Jacobians that a compile was asked for by name; the others are NULL. Rows are those of r = f - M
+ * a at given a (n), or outputs; columns are inputs, parameters, or q and then v. */
+struct pk_part_sensitivity {
+    pk_kernel_moving *r_u, *r_p;
+    pk_kernel *out_x, *out_u, *out_p;
+};
+
 struct pk_system {
     unsigned abi;  /* PK_ABI when the model was compiled */
     unsigned size; /* sizeof (struct pk_system) when the model was compiled */
@@ -243,6 +250,7 @@ struct pk_system {
     struct pk_part_resets resets;
     struct pk_part_contacts contacts;
     struct pk_part_noise noise;
+    struct pk_part_sensitivity sensitivity;
     /* Add new members here, at the end. */
 };
 

@@ -12,16 +12,15 @@ from ...record import record
 from ...run import integration
 from ...run.settings import Settings
 from ...system.exits import UsageError
-from . import distances, modes, near, orbits, points
+from ..linear.equilibria import TRIES, rest
+from ..linear.rest import ZERO, Equilibrium, Mode, Rest
+from ..linear.system import MOST_STEPS, floats
+from . import distances, near, orbits, points
 from .points import Point
 from .reference import Reference
-from .rest import ZERO, Equilibrium, Mode, Rest
-from .system import MOST_STEPS
 from .unknowns import Placed
 
 SLOW = 0.01  # least rate, in radians or e-foldings per run; a lower rate is round-off
-TRIES = 100  # initial guesses of the search for equilibria
-FURTHEST = 1e6  # an equilibrium farther away, in boxes of the search, is none
 MOST_RATES = 128  # most states along the motion at which rates are computed
 
 
@@ -66,40 +65,7 @@ class Asker(Placed):
         return Asker(self.program, self.settings, left)
 
     def rest(self, tries: int = TRIES) -> Rest:
-        found = integration.equilibria(self.run, tries)
-        turns = tuple(map(bool, found["turns"]))
-        region = {key: _floats(found[key]) for key in ("middle", "box")}
-        kept = [e for e in found["equilibria"] if self._is_there(e, **region)]
-        places = tuple(self._equilibrium(**e) for e in kept)
-        fastest = max((m.rate for e in places for m in e.modes), default=0.0)
-
-        def cleared(mode: Mode) -> Mode:
-            """Sets the growth and frequency of a slow mode to 0: they are numerical errors."""
-            slow = mode.rate <= ZERO * fastest
-            return replace(mode, growth=0.0, frequency=0.0) if slow else mode
-
-        places = tuple(replace(e, modes=tuple(map(cleared, e.modes))) for e in places)
-        more = bool(found["more"]) and len(kept) == len(found["equilibria"])
-        return Rest(**found | region | {"equilibria": places, "turns": turns, "more": more})
-
-    def _is_there(self, e: dict, middle: tuple[float, ...], box: tuple[float, ...]) -> bool:
-        """Whether L is defined at an equilibrium, and the equilibrium is not so far away that the
-        rates are only too small."""
-        by_rate = numpy.arange(self.n) >= self.m
-        by_rate[self.given["cyclic"]] = True
-        place = numpy.where(by_rate, e["v"], e["q"])
-        near = abs(place - middle) <= FURTHEST * numpy.array(box)
-        return e["energy"] is not None and bool(near.all())
-
-    @numpy.errstate(all="ignore")
-    def _equilibrium(
-        self, q: list[float], v: list[float], doubt: list[float], energy: float, slack: int
-    ) -> Equilibrium:
-        state = numpy.array([*q, *v], float)
-        status, found = modes.settled(self, state, numpy.array(doubt, float))
-        if self.by_norm:  # the energy of such a model is not used
-            energy = 0.0
-        return Equilibrium(_floats(q), _floats(v), float(energy), tuple(found), status, slack)
+        return rest(self, tries)
 
     @numpy.errstate(all="ignore")
     def initial(self) -> Motion:
@@ -119,9 +85,9 @@ class Asker(Placed):
             t=float(records[-1, 0]),
             energy=float(records[0, 1]),
             scale=motion.summary(self.until if motion.followed else 0.0).scale,
-            q=_floats(self.q(self.start)),
-            v=_floats(self.v(self.start)),
-            parameters=_floats(numpy.array(self.given["parameters"], float)),
+            q=floats(self.q(self.start)),
+            v=floats(self.v(self.start)),
+            parameters=floats(numpy.array(self.given["parameters"], float)),
             leaves=motion.leaves,
             horizon=motion.known,
             by_norm=self.by_norm,
@@ -184,7 +150,7 @@ class Asker(Placed):
                 f"no start next to q = {q}, v = {v} fulfils the constraints ({status}): "
                 "vary by --vary NAME=LO..HI what they leave free"
             )
-        q, v = tuple(enumerate(_floats(self.q(on)))), tuple(enumerate(_floats(self.v(on))))
+        q, v = tuple(enumerate(floats(self.q(on)))), tuple(enumerate(floats(self.v(on))))
         return self.with_settings(replace(begun, start_q=q, start_v=v))
 
     def at(self, place: Equilibrium) -> Asker:
@@ -199,7 +165,3 @@ class Asker(Placed):
         = -stiffness q - damping q', with v = q'."""
         found = integration.spring(self.run, method, stiffness, damping, h)
         return numpy.array(found).reshape(2, 2)
-
-
-def _floats(xs: numpy.ndarray) -> tuple[float, ...]:
-    return tuple(map(float, xs))

@@ -18,6 +18,8 @@ from ...run.build import build_library
 from ...system import children
 from ...system.exits import UsageError
 from ...system.progress import Show, unseen
+from ..linear.rest import Rest
+from ..linear.system import TimeUp
 from . import budget, cycles, measure, plan
 from .ask import Asker, Motion
 from .budget import ROWS, SERIAL, Clock, Cut
@@ -26,9 +28,7 @@ from .ghosts import Ghost, ghosts
 from .measure import Growth, Measured, Row
 from .method import StepMap
 from .predict import PAIRS, RESONANCES, Prediction, predictions
-from .rest import Rest
 from .steps import MapOptions, refuse_unjudged, steps_over
-from .system import TimeUp
 
 LEAST_ROWS = 2  # an interrupted map must have at least these rows
 REFUSED = "PK_REFUSED"

@@ -18,12 +18,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from ...record import record
+from ..linear.rest import Rest
 from .ask import Asker, Motion
 from .method import FURTHEST, LEAP, combined, first_change
 from .orbits import ROUNDED
 from .points import FAILURES, Point
 from .predict import RESONANCES, Prediction
-from .rest import Rest
 
 SMALL = 1e-6  # amplitude of small motions, relative to the displacement of the start
 LEAST = 1e-8  # smaller amplitudes, relative to the largest coordinate, are too close to round-off

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from ...record import record
+from ..linear.rest import UNDECIDED
 from .map import StabilityMap
 from .measure import FAILED, Growth, Measured, Row
 from .predict import Prediction
-from .rest import UNDECIDED
 
 TOLERANCE = 0.01  # a larger relative difference of prediction and measurement is a miss
 LISTED = 4  # most resonances named in one sentence

@@ -17,8 +17,8 @@ from collections.abc import Sequence
 import numpy
 
 from ...record import record
-from .rest import Mode
-from .system import EXACT, System
+from ..linear.rest import Mode
+from ..linear.system import EXACT, System
 from .unknowns import Placed
 
 FAR = 1e3  # growth factor at which the steps end

@@ -1,10 +1,8 @@
 """Orbits of a method's step map that close after some steps, and their multipliers: spurious fixed
 points and 2-cycles (ghosts), limit cycles, and motions in phase with a driver. Newton's method
-solves for the closed orbit: derivatives by central differences, minimum-norm corrections by
-singular values (orbits may form families), deflation of known orbits. Some orbits may be missed.
+(linear/newton.py) solves for the closed orbit; orbits may form families. Some may be missed.
 
-References: P. E. Farrell, A. Birkisson, S. W. Funke, SIAM J. Sci. Comput. 37 (2015) A2026; A. R.
-Humphries, IMA J. Numer. Anal. 13 (1993) 263 (spurious solutions).
+Reference: A. R. Humphries, IMA J. Numer. Anal. 13 (1993) 263 (spurious solutions).
 """
 
 from __future__ import annotations
@@ -14,16 +12,14 @@ from collections.abc import Sequence
 import numpy
 
 from ...record import record
-from .system import EXACT
-from .unknowns import TURN, Placed, halton, primes
+from ..linear.newton import BESIDE, deflation, halton, least, primes, shortened
+from ..linear.system import EXACT
+from .unknowns import TURN, Placed
 
 MOST_KNOWN, MOST_ORBITS, MOST_TURNS = 128, 32, 60
 STATES = 4  # most states of an orbit that are returned
-BESIDE = 1e-6  # step of central differences, in boxes; the error of these is about 1e-10
-FLAT = 1e-7  # a singular value below this part of the largest counts as 0
 SMALL = 1e-9  # Newton's iteration ends when its correction is smaller
 CLOSED = 1e-6  # largest distance between the ends of a closed orbit
-FURTHEST = 0.5  # largest correction of a state, in boxes; four times that of log h
 SAME = 1e-5  # largest distance of states that count as equal
 REST = 1e-6  # a state that moves less than this in a step is an equilibrium
 AWAY = 16.0  # distance from the region of the motion beyond which an orbit is ignored
@@ -71,11 +67,8 @@ class Closed:
 
 class _Search:
     """Solves gap(y) = 0 by Newton's method from several starts at once. The gap is the state after
-    some steps of a method, minus the state y before these steps.
-
-    Deflation keeps the iteration away from known solutions: it multiplies the gap by p = prod (1 +
-    1/|y - known|^2). The correction for the multiplied gap is that for the gap itself, times
-    1/(1 - grad(p).correction/p)."""
+    some steps of a method, minus the state y before these steps. Corrections of log h are a quarter
+    as long as those of a state may be."""
 
     def __init__(self, system: Placed, method: str | None, h: float, free: bool):
         self.system, self.unknowns, self.free = system, system.unknowns, free
@@ -101,14 +94,6 @@ class _Search:
             columns = numpy.concatenate([columns, of_h[:, None]], 1)
         return columns.transpose(0, 2, 1)
 
-    def _deflated(self, y: numpy.ndarray, step: numpy.ndarray) -> numpy.ndarray:
-        if not self.known:
-            return numpy.ones(len(y))
-        d = self.unknowns.apart(numpy.array(self.known), y[:, None])
-        square = (d * d).sum(2)
-        slope = -2 * ((d * step[:, None]).sum(2) / (square * (1 + square))).sum(1)
-        return numpy.where(slope == 1, 1.0, 1 / (1 - slope))
-
     def newton(self, y: numpy.ndarray, h: float, steps: int) -> dict[int, Closed]:
         """Returns the solutions that are reached from the starts y, keyed by the index of the
         start. If h is unknown, there must be one start only."""
@@ -119,13 +104,12 @@ class _Search:
             at, y, gap, slopes = at[good], y[good], gap[good], slopes[good]
             if not len(at):
                 break
-            u, s, v = numpy.linalg.svd(slopes, full_matrices=False)
-            parts = numpy.einsum("kij,ki->kj", u, gap)
-            parts = numpy.where(s > FLAT * s[:, :1], -parts / numpy.where(s > 0, s, 1), 0.0)
-            step = numpy.einsum("kj,kji->ki", parts, v)  # minimum-norm correction
-            by = self._deflated(y, step[:, :d])[:, None]
-            size = abs(by * step * numpy.where(numpy.arange(step.shape[1]) < d, 1, 4)).max(1)
-            step = by * step * numpy.fmin(1, FURTHEST / numpy.fmax(size, FURTHEST))[:, None]
+            step = least(gap, slopes)[0]
+            if self.known:
+                apart = self.unknowns.apart(numpy.array(self.known), y[:, None])
+                step *= deflation(apart, step[:, :d])[:, None]
+            size = abs(step * numpy.where(numpy.arange(step.shape[1]) < d, 1, 4)).max(1)
+            step = shortened(step, size)
             y[:, self.unknowns.of] += step[:, :d] * self.unknowns.box
             h = h * (1 + float(step[0, d])) if self.free else h
             small = size < SMALL

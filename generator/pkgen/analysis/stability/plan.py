@@ -22,9 +22,9 @@ from ...scenes import run_settings as parsing
 from ...scenes import scene
 from ...system.exits import UsageError
 from ..chart.points import ChartedMethod
+from ..linear.rest import Equilibrium, Rest
 from .ask import Motion
 from .cycles import Cycle
-from .rest import Equilibrium, Rest
 
 # The default methods of a map: one or two of each family, since families fail in different ways.
 USUAL = ("verlet", "yoshida4", "rk4", "gauss1", "gauss2", "lobatto3", "radau5")

@@ -45,8 +45,8 @@ import numpy
 
 from ...record import record
 from ...run.integration import CONSTANTS, Integration
+from ..linear.system import MOST_STEPS, System
 from .reference import SHARE, Reference, Summary, Watch
-from .system import MOST_STEPS, System
 
 LEAST_STEPS = 200
 TIMES = 3.0  # "exchange": an amplitude is at least TIMES that in the reference motion

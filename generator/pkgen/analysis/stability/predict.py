@@ -7,9 +7,9 @@ import math
 from collections.abc import Iterable
 
 from ...record import record
+from ..linear.rest import Equilibrium, Mode, Rest
 from .method import PAIRS, StepMap, first_change
 from .orbits import ROUNDED
-from .rest import Equilibrium, Mode, Rest
 
 SAME = 0.1  # an estimate within this relative distance of a sharp limit is omitted
 TURNS = 2.1 * math.pi  # impulses() searches a limit up to this y of the fastest mode

@@ -18,7 +18,7 @@ import numpy
 
 from ...record import record
 from ...run.integration import CONDITION, CONSTANTS
-from .system import MOST_STEPS, System
+from ..linear.system import MOST_STEPS, System
 
 LOOSER = 1e3  # factor on rtol of a second run; while both runs agree, the motion is known
 SLIGHT = 1e-3  # the scale of energies is at least this part of the largest |v.p|

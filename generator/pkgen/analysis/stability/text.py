@@ -8,11 +8,11 @@ import math
 
 from ...run import named
 from ..chart.text import aligned
+from ..linear.rest import Equilibrium, Mode
 from .ask import TRIES
 from .map import StabilityMap
 from .misses import difference, misses, name_mode, unmeasured, unpredicted, unsought
 from .predict import Prediction
-from .rest import Equilibrium, Mode
 
 MODES = 6  # most modes listed for each equilibrium
 FAR = ("rise", "away", "exchange", "moved", "follows")  # fields of a Point that the CSV contains

@@ -3,40 +3,24 @@ numbers may differ between the start and the end of a closed orbit: a cyclic coo
 integral of a first-order variable. If the equations have the period 2 pi in a coordinate, it may
 differ by a multiple of 2 pi. Distances are in boxes: the box of a number is the width of the region
 that the motion covers.
-
-Reference: J. H. Halton, Numer. Math. 2 (1960) 84 (points that fill a box evenly).
 """
 
 from __future__ import annotations
 
 import math
 from functools import cached_property
-from itertools import count, islice
 
 import numpy
 
-from .rest import Equilibrium
-from .system import System
+from ..linear.newton import halton, primes
+from ..linear.rest import Equilibrium
+from ..linear.system import System
 
 TURN = 2 * math.pi
 # Number of test points, and of elements of Halton's sequence that are skipped before them: a sine
 # may vanish at these elements.
 PROBES, ODD = 3, 16
 ALIKE = 1e-11  # largest relative difference of rates that count as equal
-
-
-def primes(n: int) -> list[int]:
-    return [*islice((p for p in count(2) if all(p % k for k in range(2, math.isqrt(p) + 1))), n)]
-
-
-def halton(k: int, base: int) -> float:
-    """Returns element k of Halton's sequence, in (0, 1)."""
-    x, digit = 0.0, 1.0
-    while k:
-        k, rest = divmod(k, base)
-        digit /= base
-        x += digit * rest
-    return x
 
 
 class Unknowns:

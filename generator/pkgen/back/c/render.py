@@ -62,6 +62,7 @@ SYSTEM_KERNELS = {
     "sampling": "samples.start",
     "meeting": "contacts.values",
     "noise": "noise.values",
+    **{name: f"sensitivity.{name}" for name in ("r_u", "r_p", "out_x", "out_u", "out_p")},
 }
 
 # Files that connect a model's header and source to the runtime, and their templates.

@@ -23,6 +23,7 @@ from ...graph.rounding import sizes
 from ...graph.substitute import substituted
 from ..motion import NO_JACOBIANS, Motion, Wanted, jacobians_of, linear_of, with_states
 from ..quantities import rate_of_state, symbols
+from .sensitivity import sensitivity_of
 
 STATES = BIT[Kind.STATE]
 
@@ -65,7 +66,7 @@ def as_rates(
         whole = replace(whole, unconstrained=own, inertia=lagrange.mass)
     if c is not None and c.meetings:
         whole = replace(whole, flight=_flight(whole))
-    return whole, structure
+    return replace(whole, sensitivity=sensitivity_of(whole, Wanted(kernels))), structure
 
 
 def _flight(e: Equations) -> Equations:

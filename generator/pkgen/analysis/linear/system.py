@@ -23,6 +23,10 @@ class TimeUp(Exception):
     """Raised when the time budget is used up."""
 
 
+def floats(xs: numpy.ndarray) -> tuple[float, ...]:
+    return tuple(map(float, xs))
+
+
 class System:
     """States are arrays of q, then v. Unknown i is q_i, or v_i for a first-order variable."""
 

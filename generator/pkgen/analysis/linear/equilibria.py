@@ -1,0 +1,379 @@
+"""Equilibria and relative equilibria, by Newton's method from many starts.
+
+Cyclic coordinates may turn: they have constant rates, and the momenta of the start. All other
+coordinates rest. The unknowns are a number for each entry of v: the coordinate, or for cyclic
+coordinates and first-order variables the entry of v itself. The equations are, for
+
+    a coordinate          force_i = 0, of a model with rotations or constraints a_i = 0
+    a cyclic coordinate   p_i = its value at the start
+    a body rate           w_i = 0
+    a quaternion Q        the three angular accelerations of its body = 0, |Q|^2 = 1
+    another variable      x' = 0; if no rate depends on it, x = its value at the start
+    the constraints       phi = 0, J v + j0 = 0
+
+Constraints make these equations dependent, and equilibria may form a continuum. Both are harmless
+to corrections of least norm (newton.py). The search may miss some equilibria.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cached_property
+
+import numpy
+from numpy import linalg
+
+from . import modes
+from .newton import BESIDE, deflation, halton, least, primes, shortened
+from .rest import ZERO, Equilibrium, Mode, Rest
+from .system import EXACT, System, floats
+
+TURN = 2 * math.pi
+TRIES = 100  # starts of the search, besides the start of the motion
+MOST = 32  # equilibria that are returned
+FURTHEST = 1e6  # an equilibrium farther away, in boxes, is none
+ROUNDS, POLISH, AGAIN = 60, 6, 12  # Newton's iterations; at a root; searches from a start
+SMALL = 1e-12  # the iteration ends when its correction is smaller, in units of reach()
+HELD, NEAR = 1e-10, 1e-4  # of a root: the equations hold, and the last correction is small
+ASIDE = 1e-2  # length of a step along a continuum, in units of reach()
+WIDTHS = (32, 1, 4, 1)  # of the region of start k, in boxes, by k % 4
+# The motion whose extent is the box: its steps, with those before the step has found its length,
+# and how many times farther than the first step it may go.
+MOTION, SETTLING, RUNAWAY = 48, 100, 100
+
+
+class Search:
+    """A search in middle +- box. `known` are the unknowns z of each equilibrium found, `doubts` the
+    last corrections of Newton's method, `slacks` the dimensions of the continua. Arrays of unknowns
+    have the shape (states, n)."""
+
+    def __init__(self, system: System):
+        self.system = system
+        n, m, turning = system.n, system.m, system.turning
+        bodies = turning // 3
+        self.body_rates = slice(m, m + turning)
+        self.quaternions = slice(m + turning, m + turning + 4 * bodies)
+        self.by_rate = numpy.arange(n) >= m
+        self.by_rate[system.given["cyclic"]] = True
+        self.cyclic = numpy.flatnonzero(self.by_rate[:m])
+        self.unread = system.idle & (numpy.arange(n) >= m)
+        start = numpy.where(numpy.isnan(system.start), 0.0, system.start)
+        self.q0, v0 = numpy.split(start, 2)
+        self.momenta = system.kernel("free momenta", 0.0, start)
+        self.start = numpy.where(self.by_rate, v0, self.q0)
+        self.start[self.body_rates] = 0
+        # The base 2 would correlate with k % 4.
+        self.bases = primes(n + 1)[1:]
+        self.middle = self.start.copy()
+        self.turns = numpy.array([not self.by_rate[i] and self._is_turn(i) for i in range(n)])
+        self.middle[self.turns] = 0
+        self.box = self._box()
+        self.known: list[numpy.ndarray] = []
+        self.doubts: list[numpy.ndarray] = []
+        self.slacks: list[int] = []
+        self.failed = self.singular = 0
+
+    def states(self, z: numpy.ndarray) -> numpy.ndarray:
+        q, v = numpy.where(self.by_rate, self.q0, z), numpy.where(self.by_rate, z, 0.0)
+        return numpy.concatenate([q, v], -1)
+
+    def equations(self, states: numpy.ndarray) -> numpy.ndarray:
+        system, v, w, Q = self.system, self.system.v(states), self.body_rates, self.quaternions
+        a = system.kernel("acceleration" if system.bound else "force", 0.0, states)
+        found = a.copy()
+        if self.cyclic.size:
+            p = system.kernel("free momenta", 0.0, states)
+            found[:, self.cyclic] = (p - self.momenta)[:, self.cyclic]
+        found[:, w] = v[:, w]
+        if system.turning:
+            turning, lengths = a[:, w].reshape(len(v), -1, 3), _quaternions(v[:, Q])
+            length = ((lengths**2).sum(2, keepdims=True) - 1) / 2
+            found[:, Q] = numpy.concatenate([turning, length], 2).reshape(len(v), -1)
+        found[:, self.unread] = (v - self.middle)[:, self.unread]
+        parts = [found]
+        if system.given["holonomic"]:
+            parts.append(system.kernel("constraint", 0.0, states))
+        if system.given["constraints"]:
+            parts.append(system.kernel("constraint rates", 0.0, states))
+        return numpy.concatenate(parts, 1)
+
+    # -- the region ---------------------------------------------------------------------------
+
+    def _is_turn(self, i: int) -> bool:
+        """Returns whether q_i is an angle: all momenta and forces are the same at q_i + 2 pi. Three
+        states are compared. The tolerance of each number is relative to its own size."""
+        bases = primes(self.system.n)
+        numbers = [[halton(k, base) for base in bases] for k in (8, 9, 10)]
+        q = self.q0 * ~self.by_rate + 2 * numpy.array(numbers) - 1
+        states = numpy.concatenate([q, 0.7 - numpy.array(numbers)], 1)
+        both = numpy.concatenate([states, states])
+        both[3:, i] += TURN
+        found = self.equations(both)
+        if not self.system.bound:
+            found = numpy.concatenate([found, self.system.kernel("momenta", 0.0, both)], 1)
+        size, change = abs(found[:3]).max(0), abs(found[3:] - found[:3]).max(0)
+        return bool((change <= 1e-9 * size + 1e-14 * size.max()).all())
+
+    def _extent(self) -> numpy.ndarray:
+        """Returns how far the unknowns go in the first MOTION steps of a loose integration: its
+        steps count from the first that is less than twice as long as the one
+        before. The motion is cut off where an unknown runs away."""
+        rows = self.system.begin(EXACT, rtol=1e-6).steps(1e300, MOTION + SETTLING)
+        lengths = numpy.diff(rows[:, 0], prepend=0.0)
+        settled = numpy.flatnonzero(lengths[1:] < 2 * lengths[:-1])
+        rows = rows[settled[0] + 1 :][:MOTION] if settled.size else rows[:0]
+        q, v = self.system.q(rows[:, 1:]), self.system.v(rows[:, 1:])
+        far = numpy.where(self.by_rate, abs(v), abs(q - self.q0))
+        first = far[(far > 0).argmax(0), range(far.shape[1])] if len(far) else far
+        away = numpy.flatnonzero((far > RUNAWAY * first).any(1))
+        return far[: away[0] if away.size else None].max(0, initial=0.0)
+
+    def _box(self) -> numpy.ndarray:
+        """Returns half a turn for an angle, 1 for a quaternion, else twice the extent of the motion
+        or of the start. If both are 0, a coordinate gets the largest box of the others, or 1."""
+        box = 2 * numpy.fmax(self._extent(), abs(self.start))
+        box[self.turns] = TURN / 2
+        others = box[~self.by_rate & ~self.turns].max(initial=0.0)
+        none = ~(box > 1e-200)
+        box[none] = numpy.where(self.by_rate[none] | (others == 0), 1.0, others)
+        box[self.quaternions] = 1
+        return box
+
+    def place(self, k: int) -> numpy.ndarray:
+        """Returns start k of the search: the middle of the box, then points of Halton's sequence.
+        Half of them lie in the box, the others in one 4 or 32 times as wide, but angles and
+        quaternions always in the box."""
+        wide = numpy.where(self.turns, 1, WIDTHS[k % len(WIDTHS)])
+        point = numpy.array([2 * halton(k, base) - 1 if k else 0.0 for base in self.bases])
+        z = self.middle + wide * self.box * point
+        z[self.body_rates] = 0
+        if k:  # any orientation: the start's is taken away
+            z[self.quaternions] -= self.middle[self.quaternions]
+        return self._normal(z)
+
+    @cached_property
+    def scale(self) -> numpy.ndarray:
+        """The largest size of each equation in the box. Equations that are round-off there, beside
+        others of the same kind, hold: they get the largest size of the kind."""
+        points = numpy.array([self.place(2 * k + 1) for k in range(1, 33)])
+        sizes = abs(self.equations(self.states(points)))
+        sizes = sizes[numpy.isfinite(sizes).all(1)].max(0, initial=0.0)
+        n, holonomic = self.system.n, self.system.given["holonomic"]
+        kinds = []
+        for kind in numpy.split(sizes, [n, n + holonomic]):
+            most = kind.max(initial=0.0) or 1.0
+            kinds.append(numpy.where(kind > 1e-14 * most, kind, most))
+        scale = numpy.concatenate(kinds)
+        scale[self.body_rates] = self.box[self.body_rates]  # they are 0 at all points
+        scale[self.quaternions][3::4] = 1
+        return scale
+
+    def _normal(self, z: numpy.ndarray) -> numpy.ndarray:
+        """Returns the unknowns with quaternions of length 1."""
+        Q = _quaternions(z[..., self.quaternions])
+        z = z.copy()
+        z[..., self.quaternions] = (Q / linalg.norm(Q, axis=-1, keepdims=True)).reshape(
+            z[..., self.quaternions].shape
+        )
+        return z
+
+    def _reach(self, z: numpy.ndarray) -> numpy.ndarray:
+        return numpy.fmax(self.box, abs(z - self.middle))
+
+    def apart(self, known: numpy.ndarray, z: numpy.ndarray) -> numpy.ndarray:
+        """Returns z - known in boxes; angles by the shorter way, Q and -Q are the same."""
+        d = z - known
+        d -= self.turns * TURN * numpy.round(d / TURN)
+        R = _quaternions((z - d)[..., self.quaternions])
+        Q = _quaternions((z + 0 * d)[..., self.quaternions])
+        opposite = (Q * R).sum(-1, keepdims=True) < 0
+        d[..., self.quaternions] = numpy.where(opposite, Q + R, Q - R).reshape(
+            d[..., self.quaternions].shape
+        )
+        return d / self.box
+
+    # -- Newton's method ----------------------------------------------------------------------
+
+    def _linear(self, z: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+        """Returns the equations in units of their scales, their derivatives in units of reach(),
+        and whether all are finite; others are replaced by 0."""
+        n, by = z.shape[1], BESIDE * self._reach(z)[:, :, None] * numpy.eye(z.shape[1])
+        points = numpy.concatenate([z[:, None] + by, z[:, None] - by, z[:, None]], 1)
+        found = self.equations(self.states(points.reshape(-1, n))) / self.scale
+        found = found.reshape(len(z), 2 * n + 1, -1)
+        good = numpy.isfinite(found).all((1, 2))
+        found[~good] = 0
+        slopes = (found[:, :n] - found[:, n : 2 * n]) / (2 * BESIDE)
+        return found[:, -1], slopes.transpose(0, 2, 1), good
+
+    def newton(self, z: numpy.ndarray, rounds: int, deflated: bool) -> numpy.ndarray:
+        """Returns where the iterations from the starts z end; NaN where one fails."""
+        z, left = z.copy(), numpy.arange(len(z))
+        for _ in range(rounds):
+            at = z[left]
+            gap, slopes, good = self._linear(at)
+            step, reach = least(gap, slopes)[0], self._reach(at)
+            if deflated and self.known:
+                apart = self.apart(numpy.array(self.known), at[:, None])
+                step *= deflation(apart, step * reach / self.box)[:, None]
+            size = abs(step).max(1)
+            z[left] = self._normal(at + shortened(step, size) * reach)
+            z[left[~good]] = numpy.nan
+            left = left[good & ~(size < SMALL)]
+            if not left.size:
+                break
+        return z
+
+    def _polished(self, z: numpy.ndarray) -> numpy.ndarray:
+        """Returns the unknowns after some more iterations. Those that are much smaller than the box
+        become 0, since their squares would underflow."""
+        z = self.newton(z[None], POLISH, False)[0]
+        z = numpy.where(abs(z) > 1e-40 * self.box, z, 0.0)
+        z[self.body_rates] = 0
+        return z
+
+    def _correction(self, z: numpy.ndarray) -> tuple[numpy.ndarray, int, numpy.ndarray] | None:
+        """Returns of a root Newton's next correction, the number of singular values that are 0, and
+        the direction of the least one; None if z is no root. The test of the correction excludes
+        points on the way to infinity, where forces tend to 0."""
+        (gap,), (slopes,), (good,) = self._linear(z[None])
+        held = (abs(gap) <= HELD * numpy.fmax(1, abs(slopes).max(1))).all()
+        (step,), (flat,), (directions,) = least(gap[None], slopes[None])
+        if not good or not held or not abs(step).max() <= NEAR:
+            return None
+        return step, int(flat.sum()), directions[-1]
+
+    def _goes_on(self, z: numpy.ndarray, along: numpy.ndarray) -> bool:
+        """Returns whether a root is on a continuum of roots: from beside it, Newton's method does
+        not come back."""
+        reach = self._reach(z)
+        there = z + ASIDE * along * reach
+        end = self.newton(self._normal(there)[None], ROUNDS, False)[0]
+        if not numpy.isfinite(end).all() or self._correction(end) is None:
+            return False
+        return bool(linalg.norm((end - there) / reach) < linalg.norm((there - z) / reach) / 2)
+
+    # -- the list -----------------------------------------------------------------------------
+
+    def energy(self, z: numpy.ndarray) -> float:
+        found = self.system.kernel("energy", 0.0, self.states(z))
+        return float(found[0, 0]) if found.size else 0.0
+
+    def _spectrum(self, z: numpy.ndarray) -> numpy.ndarray:
+        """Returns sums of powers of the moduli of the eigenvalues at an equilibrium."""
+        A = self.system.linearised(0.0, self.states(z))
+        sizes = abs(linalg.eigvals(A)) if numpy.isfinite(A).all() else numpy.full(1, numpy.nan)
+        return numpy.array([(sizes**power).sum() for power in (2, 4, 6, 8)])
+
+    def _is_known(self, z: numpy.ndarray, slack: int) -> bool:
+        """Returns whether z is a known root, or on the same continuum as one: their energies are
+        equal, or with constraints on rates their eigenvalues."""
+        if any(abs(self.apart(one, z)).max() <= NEAR for one in self.known):
+            return True
+        given, h = self.system.given, self.energy(z)
+        energies = [self.energy(one) for one in self.known]
+        size = max(map(abs, (h, self.energy(self.start), *energies)))
+        for one, energy, other in zip(self.known, energies, self.slacks, strict=True):
+            if not slack or not other:
+                continue
+            if abs(h - energy) <= 1e-9 * size:
+                return True
+            if given["constraints"] > given["holonomic"]:
+                a, b = self._spectrum(one), self._spectrum(z)
+                if (abs(a - b) <= 1e-5 * numpy.fmax(a, b)).all():
+                    return True
+        return False
+
+    def _is_definite(self, z: numpy.ndarray) -> bool:
+        (M,) = self.system.kernel("mass", 0.0, self.states(z))
+        try:
+            linalg.cholesky(M.reshape(self.system.n, -1))
+        except linalg.LinAlgError:
+            return False
+        return True
+
+    def _take(self, z: numpy.ndarray, first: bool) -> bool:
+        """Adds a root to the list; returns whether the iteration that ended at z found a root. The
+        `first` search from each start counts failures and singular M."""
+        root = self._polished(z) if numpy.isfinite(z).all() else z
+        found = self._correction(root) if numpy.isfinite(root).all() else None
+        if found is None:
+            self.failed += first
+            return False
+        step, slack, along = found
+        if not self.system.bound and not self._is_definite(root):
+            self.singular += first
+            return False
+        if slack and not self._goes_on(root, along):
+            # An isolated root is known less accurately where it is flat.
+            slack, step = 0, ASIDE * along / 100
+        if not self._is_known(root, slack):
+            self.known.append(root)
+            self.doubts.append(step * self._reach(root))
+            self.slacks.append(slack)
+        return True
+
+    def run(self, tries: int) -> bool:
+        """Searches from the start and from `tries` other points, from each again while it leads to
+        a root. Returns whether there are more than MOST equilibria."""
+        starts = numpy.array([self.place(k) for k in range(tries + 1)])
+        for again in range(AGAIN):
+            before, ends = len(self.known), self.newton(starts, ROUNDS, again > 0)
+            kept = []
+            for k, end in enumerate(ends):
+                if self._take(end, again == 0):
+                    kept.append(k)
+                if len(self.known) > MOST:
+                    return True
+            if again and len(self.known) == before:
+                break
+            starts = starts[kept]
+            if not len(starts):
+                break
+        return False
+
+
+def _quaternions(numbers: numpy.ndarray) -> numpy.ndarray:
+    return numbers.reshape(*numbers.shape[:-1], -1, 4)
+
+
+@numpy.errstate(all="ignore")
+def rest(system: System, tries: int = TRIES) -> Rest:
+    """Returns the equilibria with their modes, in the order of energy. Angles are in (-pi, pi], and
+    the first number of a quaternion that is not 0 is positive."""
+    if not system.given["autonomous"]:
+        return Rest("PK_REFUSED", (), 0, 0, False)
+    search = Search(system)
+    more = search.run(tries)
+    found = []
+    for z, doubt, slack in zip(search.known, search.doubts, search.slacks, strict=True):
+        z[search.turns] -= TURN * numpy.ceil(z[search.turns] / TURN - 0.5 - 1e-8)
+        for Q in z[search.quaternions].reshape(-1, 4):
+            Q *= numpy.sign(Q[(abs(Q) > 1e-9).argmax()])
+        state, energy = search.states(z), search.energy(z)
+        # Far away rates may only be too small; L may be undefined.
+        if math.isfinite(energy) and (abs(z - search.middle) <= FURTHEST * search.box).all():
+            status, modes_of = modes.settled(system, state, doubt)
+            q, v = floats(system.q(state)), floats(system.v(state))
+            # The energy of a model that is judged by distances is not used.
+            h = 0.0 if system.by_norm else energy
+            found.append((energy, Equilibrium(q, v, h, tuple(modes_of), status, slack)))
+    found.sort(key=lambda x: x[0])
+    fastest = max((m.rate for _, e in found for m in e.modes), default=0.0)
+
+    def cleared(mode: Mode) -> Mode:
+        """Returns a mode; the growth and frequency of a slow mode are numerical errors."""
+        slow = mode.rate <= ZERO * fastest
+        return replace(mode, growth=0.0, frequency=0.0) if slow else mode
+
+    return Rest(
+        "PK_DONE",
+        tuple(replace(e, modes=tuple(map(cleared, e.modes))) for _, e in found[:MOST]),
+        search.failed,
+        search.singular,
+        more,
+        tuple(map(bool, search.turns)),
+        floats(search.middle),
+        floats(search.box),
+    )
