@@ -18,6 +18,7 @@ to corrections of least norm (newton.py). The search may miss some equilibria.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -27,6 +28,7 @@ from numpy import linalg
 from . import modes
 from .newton import BESIDE, deflation, halton, least, primes, shortened
 from .rest import ZERO, Equilibrium, Mode, Rest
+from .symmetries import Fields, Symmetry
 from .system import EXACT, System, floats
 
 TURN = 2 * math.pi
@@ -48,12 +50,14 @@ class Search:
     last corrections of Newton's method, `slacks` the dimensions of the continua. Arrays of unknowns
     have the shape (states, n)."""
 
-    def __init__(self, system: System):
-        self.system = system
+    def __init__(self, system: System, symmetries: Sequence[Symmetry] = ()):
+        self.system, self.fields = system, Fields(system)
         n, m, turning = system.n, system.m, system.turning
         bodies = turning // 3
         self.body_rates = slice(m, m + turning)
         self.quaternions = slice(m + turning, m + turning + 4 * bodies)
+        cyclic = {("q", i) for i in system.given["cyclic"]}
+        self.moving = [s for s in symmetries if (s.name, s.index) not in cyclic]
         self.by_rate = numpy.arange(n) >= m
         self.by_rate[system.given["cyclic"]] = True
         self.cyclic = numpy.flatnonzero(self.by_rate[:m])
@@ -61,12 +65,17 @@ class Search:
         start = numpy.where(numpy.isnan(system.start), 0.0, system.start)
         self.q0, v0 = numpy.split(start, 2)
         self.momenta = system.kernel("free momenta", 0.0, start)
-        self.start = numpy.where(self.by_rate, v0, self.q0)
-        self.start[self.body_rates] = 0
+        start = numpy.where(self.by_rate, v0, self.q0)
+        start[self.body_rates] = 0
+        samples = self.fields.samples(6) if self.moving else self.fields.start[None]
+        self.conserved = [s for s in self.moving if self.fields.is_conserved(s, samples)]
+        self.sliced = self.moving if self.fields.commute(self.moving) else []
+        self.start = numpy.concatenate([start, self._speeds(v0)])
         # The base 2 would correlate with k % 4.
-        self.bases = primes(n + 1)[1:]
+        self.bases = primes(len(self.start) + 1)[1:]
         self.middle = self.start.copy()
-        self.turns = numpy.array([not self.by_rate[i] and self._is_turn(i) for i in range(n)])
+        turns = [not self.by_rate[i] and self._is_turn(i) for i in range(n)]
+        self.turns = numpy.array([*turns, *(False for _ in self.moving)])
         self.middle[self.turns] = 0
         self.box = self._box()
         self.known: list[numpy.ndarray] = []
@@ -74,28 +83,59 @@ class Search:
         self.slacks: list[int] = []
         self.failed = self.singular = 0
 
-    def states(self, z: numpy.ndarray) -> numpy.ndarray:
-        q, v = numpy.where(self.by_rate, self.q0, z), numpy.where(self.by_rate, z, 0.0)
-        return numpy.concatenate([q, v], -1)
+    def _speeds(self, v: numpy.ndarray) -> numpy.ndarray:
+        """Returns the speeds along the symmetries, other than cyclic coordinates, that are nearest
+        to the rates v of the start."""
+        if not self.moving:
+            return numpy.zeros(0)
+        turns = [self.fields.turn(s, self.fields.start[None])[0] for s in self.moving]
+        rates = v[: len(turns[0])].copy()
+        rates[self.cyclic] = 0
+        return linalg.lstsq(numpy.array(turns).T, rates, rcond=1e-9)[0]
 
-    def equations(self, states: numpy.ndarray) -> numpy.ndarray:
-        system, v, w, Q = self.system, self.system.v(states), self.body_rates, self.quaternions
-        a = system.kernel("acceleration" if system.bound else "force", 0.0, states)
+    def states(self, z: numpy.ndarray) -> numpy.ndarray:
+        n = self.system.n
+        q = numpy.where(self.by_rate, self.q0, z[..., :n])
+        v = numpy.where(self.by_rate, z[..., :n], 0.0)
+        found = numpy.concatenate([q, v], -1)
+        if self.moving:
+            Y = self.fields.dense(numpy.atleast_2d(found))
+            for k, symmetry in enumerate(self.moving, n):
+                turn = self.fields.turn(symmetry, Y) * numpy.atleast_2d(z)[:, k, None]
+                found[..., n : n + turn.shape[1]] += turn.reshape(*z.shape[:-1], -1)
+        return found
+
+    def equations(self, z: numpy.ndarray) -> numpy.ndarray:
+        system, states = self.system, self.states(z)
+        v, w, Q = system.v(states), self.body_rates, self.quaternions
+        of = "acceleration" if system.bound or self.moving else "force"
+        a = system.kernel(of, 0.0, states)
+        for k, symmetry in enumerate(self.moving, system.n):
+            a[:, : w.stop] -= (v @ symmetry.G[system.m :, system.m :].T)[:, : w.stop] * z[
+                :, k, None
+            ]
         found = a.copy()
         if self.cyclic.size:
             p = system.kernel("free momenta", 0.0, states)
             found[:, self.cyclic] = (p - self.momenta)[:, self.cyclic]
-        found[:, w] = v[:, w]
+        found[:, w] = z[:, w]
         if system.turning:
             turning, lengths = a[:, w].reshape(len(v), -1, 3), _quaternions(v[:, Q])
             length = ((lengths**2).sum(2, keepdims=True) - 1) / 2
             found[:, Q] = numpy.concatenate([turning, length], 2).reshape(len(v), -1)
-        found[:, self.unread] = (v - self.middle)[:, self.unread]
+        found[:, self.unread] = (z[:, : system.n] - self.middle[: system.n])[:, self.unread]
         parts = [found]
         if system.given["holonomic"]:
             parts.append(system.kernel("constraint", 0.0, states))
         if system.given["constraints"]:
             parts.append(system.kernel("constraint rates", 0.0, states))
+        Y, start = self.fields.dense(states), self.fields.start
+        for symmetry in self.conserved:
+            known = self.fields.momentum(symmetry, start[None])
+            parts.append((self.fields.momentum(symmetry, Y) - known)[:, None])
+        places = [*range(system.m), *range(system.m + Q.start, system.m + Q.stop)]
+        for symmetry in self.sliced:
+            parts.append((Y - start)[:, places] @ symmetry.at(start)[places, None])
         return numpy.concatenate(parts, 1)
 
     # -- the region ---------------------------------------------------------------------------
@@ -109,9 +149,8 @@ class Search:
         states = numpy.concatenate([q, 0.7 - numpy.array(numbers)], 1)
         both = numpy.concatenate([states, states])
         both[3:, i] += TURN
-        found = self.equations(both)
-        if not self.system.bound:
-            found = numpy.concatenate([found, self.system.kernel("momenta", 0.0, both)], 1)
+        of = ["acceleration"] if self.system.bound else ["force", "momenta"]
+        found = numpy.concatenate([self.system.kernel(kind, 0.0, both) for kind in of], 1)
         size, change = abs(found[:3]).max(0), abs(found[3:] - found[:3]).max(0)
         return bool((change <= 1e-9 * size + 1e-14 * size.max()).all())
 
@@ -132,11 +171,13 @@ class Search:
     def _box(self) -> numpy.ndarray:
         """Returns half a turn for an angle, 1 for a quaternion, else twice the extent of the motion
         or of the start. If both are 0, a coordinate gets the largest box of the others, or 1."""
-        box = 2 * numpy.fmax(self._extent(), abs(self.start))
+        by_rate = numpy.concatenate([self.by_rate, numpy.ones(len(self.moving), bool)])
+        extent = numpy.concatenate([self._extent(), numpy.zeros(len(self.moving))])
+        box = 2 * numpy.fmax(extent, abs(self.start))
         box[self.turns] = TURN / 2
-        others = box[~self.by_rate & ~self.turns].max(initial=0.0)
+        others = box[~by_rate & ~self.turns].max(initial=0.0)
         none = ~(box > 1e-200)
-        box[none] = numpy.where(self.by_rate[none] | (others == 0), 1.0, others)
+        box[none] = numpy.where(by_rate[none] | (others == 0), 1.0, others)
         box[self.quaternions] = 1
         return box
 
@@ -157,11 +198,13 @@ class Search:
         """The largest size of each equation in the box. Equations that are round-off there, beside
         others of the same kind, hold: they get the largest size of the kind."""
         points = numpy.array([self.place(2 * k + 1) for k in range(1, 33)])
-        sizes = abs(self.equations(self.states(points)))
+        sizes = abs(self.equations(points))
         sizes = sizes[numpy.isfinite(sizes).all(1)].max(0, initial=0.0)
         n, holonomic = self.system.n, self.system.given["holonomic"]
         kinds = []
-        for kind in numpy.split(sizes, [n, n + holonomic]):
+        rows = n + holonomic + self.system.given["constraints"]
+        ends = [n, n + holonomic, *range(rows, len(sizes))]
+        for kind in numpy.split(sizes, ends):
             most = kind.max(initial=0.0) or 1.0
             kinds.append(numpy.where(kind > 1e-14 * most, kind, most))
         scale = numpy.concatenate(kinds)
@@ -200,7 +243,7 @@ class Search:
         and whether all are finite; others are replaced by 0."""
         n, by = z.shape[1], BESIDE * self._reach(z)[:, :, None] * numpy.eye(z.shape[1])
         points = numpy.concatenate([z[:, None] + by, z[:, None] - by, z[:, None]], 1)
-        found = self.equations(self.states(points.reshape(-1, n))) / self.scale
+        found = self.equations(points.reshape(-1, n)) / self.scale
         found = found.reshape(len(z), 2 * n + 1, -1)
         good = numpy.isfinite(found).all((1, 2))
         found[~good] = 0
@@ -339,12 +382,13 @@ def _quaternions(numbers: numpy.ndarray) -> numpy.ndarray:
 
 
 @numpy.errstate(all="ignore")
-def rest(system: System, tries: int = TRIES) -> Rest:
-    """Returns the equilibria with their modes, in the order of energy. Angles are in (-pi, pi], and
-    the first number of a quaternion that is not 0 is positive."""
+def rest(system: System, tries: int = TRIES, symmetries: Sequence[Symmetry] = ()) -> Rest:
+    """Returns the equilibria with their modes, in the order of energy; with `symmetries`, motions
+    along these too. Angles are in (-pi, pi], and the first number of a quaternion that is not 0 is
+    positive."""
     if not system.given["autonomous"]:
         return Rest("PK_REFUSED", (), 0, 0, False)
-    search = Search(system)
+    search = Search(system, symmetries)
     more = search.run(tries)
     found = []
     for z, doubt, slack in zip(search.known, search.doubts, search.slacks, strict=True):
@@ -354,11 +398,14 @@ def rest(system: System, tries: int = TRIES) -> Rest:
         state, energy = search.states(z), search.energy(z)
         # Far away rates may only be too small; L may be undefined.
         if math.isfinite(energy) and (abs(z - search.middle) <= FURTHEST * search.box).all():
-            status, modes_of = modes.settled(system, state, doubt)
+            speeds = z[system.n :]
+            turn = sum(x * s.G for x, s in zip(speeds, search.moving, strict=True))
+            status, modes_of = modes.settled(system, state, doubt[: system.n], turn)
             q, v = floats(system.q(state)), floats(system.v(state))
             # The energy of a model that is judged by distances is not used.
             h = 0.0 if system.by_norm else energy
-            found.append((energy, Equilibrium(q, v, h, tuple(modes_of), status, slack)))
+            at = Equilibrium(q, v, h, tuple(modes_of), status, slack, floats(speeds))
+            found.append((energy, at))
     found.sort(key=lambda x: x[0])
     fastest = max((m.rate for _, e in found for m in e.modes), default=0.0)
 
@@ -374,6 +421,7 @@ def rest(system: System, tries: int = TRIES) -> Rest:
         search.singular,
         more,
         tuple(map(bool, search.turns)),
-        floats(search.middle),
-        floats(search.box),
+        floats(search.middle[: system.n]),
+        floats(search.box[: system.n]),
+        tuple(search.moving),
     )

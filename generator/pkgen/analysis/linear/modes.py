@@ -34,11 +34,14 @@ TIED = 1e-9  # relative difference of equal rates
 SAME = 1e-2  # relative difference of lambda that shows a spurious mode
 
 
-def modes(system: System, state: numpy.ndarray) -> tuple[str, list[Mode]]:
-    """Returns the status and the modes; without modes if the status is not PK_DONE."""
+def modes(
+    system: System, state: numpy.ndarray, turn: numpy.ndarray | float = 0.0
+) -> tuple[str, list[Mode]]:
+    """Returns the status and the modes; without modes if the status is not PK_DONE. `turn` is the
+    matrix G of the affine field along which the state moves (symmetries.py), or 0."""
     try:
-        if system.n > system.m or system.given["constraints"]:
-            found = _first_order(system, state)
+        if system.n > system.m or system.given["constraints"] or numpy.any(turn):
+            found = _first_order(system, state, turn)
         else:
             found = _of_coordinates(system, state)
     except linalg.LinAlgError:
@@ -48,18 +51,20 @@ def modes(system: System, state: numpy.ndarray) -> tuple[str, list[Mode]]:
     return "PK_DONE", sorted(found, key=cmp_to_key(lambda a, b: _first(b, a) - _first(a, b)))
 
 
-def settled(system: System, state: numpy.ndarray, doubt: numpy.ndarray) -> tuple[str, list[Mode]]:
+def settled(
+    system: System, state: numpy.ndarray, doubt: numpy.ndarray, turn: numpy.ndarray | float = 0.0
+) -> tuple[str, list[Mode]]:
     """Returns the status and the modes, with lambda = 0 for spurious modes. `doubt` estimates the
     error of the equilibrium `state`. If linear terms vanish at the exact equilibrium, their values
     at `state` are proportional to this error. Therefore a mode is spurious if its lambda changes
     when `state` is moved by `doubt`."""
-    status, found = modes(system, state)
+    status, found = modes(system, state, turn)
     by_rate = numpy.arange(system.n) >= system.m
     by_rate[system.given["cyclic"]] = True
     moved = state + numpy.concatenate(
         [numpy.where(by_rate, 0, doubt), numpy.where(by_rate, doubt, 0)]
     )
-    known, others = modes(system, moved)
+    known, others = modes(system, moved, turn)
     if known != "PK_DONE":
         return status, found
     beside = numpy.array([complex(m.growth, m.frequency) for m in others])
@@ -134,10 +139,16 @@ def _of_coordinates(system: System, state: numpy.ndarray) -> list[Mode] | None:
     return [shaped(x, u[: len(mass)]) for x, u in zip(values, shapes.T, strict=True) if x.imag >= 0]
 
 
-def _first_order(system: System, state: numpy.ndarray) -> list[Mode] | None:
+def _first_order(
+    system: System, state: numpy.ndarray, turn: numpy.ndarray | float
+) -> list[Mode] | None:
     n, m, free = system.n, system.m, ~system.idle
     among = numpy.array([*numpy.flatnonzero(free), *range(n, n + m)])
-    A = system.linearised(0.0, state)[numpy.ix_(among, among)]
+    A = system.linearised(0.0, state)
+    if numpy.any(turn):  # in the frame that moves along
+        order = [*range(m), *range(2 * m, m + n), *range(m, 2 * m)]
+        A -= turn[numpy.ix_(order, order)]
+    A = A[numpy.ix_(among, among)]
     if not numpy.isfinite(A).all():
         raise linalg.LinAlgError
     T = numpy.eye(len(among))

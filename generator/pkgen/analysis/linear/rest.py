@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from ...record import record
+from .symmetries import Symmetry
 
 ZERO = 1e-7  # a mode's rate below this part of the largest rate at any equilibrium counts as 0
 UNDECIDED = "not decided by the linear terms"
@@ -35,6 +36,7 @@ class Equilibrium:
     modes: tuple[Mode, ...]  # the fastest first
     status: str = "PK_DONE"  # status of the computation of modes
     slack: int = 0  # dimension of the continuum of equilibria that contains this one
+    speeds: tuple[float, ...] = ()  # along each symmetry in Rest.moving
 
     @property
     def stable(self) -> bool:
@@ -76,6 +78,7 @@ class Rest:
     turns: tuple[bool, ...] = ()  # for each coordinate: whether it has the period 2 pi
     middle: tuple[float, ...] = ()  # the search begins within middle +- box (docs/maps.md)
     box: tuple[float, ...] = ()
+    moving: tuple[Symmetry, ...] = ()  # symmetries besides shifts of cyclic coordinates
 
     def beside(self, q: float, place: float, i: int) -> float:
         """Returns the value q of coordinate i. If the coordinate is an angle, a multiple of 2 pi is
