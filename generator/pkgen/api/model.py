@@ -25,6 +25,7 @@ from ..run.ensemble import Ensemble, Settable
 from ..run.library import load as load_library
 from ..run.simulate import followed
 from ..scenes import lengths
+from ..scenes.compile_plan import whole
 from ..scenes.scene import chosen
 from ..scenes.scene import values as scene_values
 from ..scenes.swarm import Arrays
@@ -45,6 +46,7 @@ from .result import Result
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from ..analysis.linear.linearise import Linear
     from .symbols import Symbolic, Typeset
 
 
@@ -257,6 +259,46 @@ class Model(Kernels):
         """Writes an interactive HTML page, NAME.html or `path`: an animation with controls of its
         parameters (`pkgen show`). A notebook shows the page. Raises UsageError."""
         return shown(self, Path(path or f"{self.name}.html"))
+
+    def equilibria(
+        self,
+        *,
+        start: Mapping[str, Value] | None = None,
+        inputs: Mapping[str, Value] | None = None,
+        tries: int = 100,
+    ) -> list[dict[str, Any]]:
+        """Returns the equilibria and the steady motions, as `pkgen equilibria --json` lists them:
+        `state`, `stable`, `frequencies`, `modes`, and by name what is steady or small. The search
+        has `tries` starts besides that of the motion; momenta of cyclic coordinates are those of
+        the start. Raises UsageError, ModelError."""
+        from ..analysis.linear import equilibria, report
+
+        with in_words():
+            options = arguments.options(self, {"start": start, "inputs": inputs})
+            options.tries = tries
+            made = self._compiled(options, unroll=None, use=whole(options))
+            found = report.record(made, equilibria.of_model(options, made))
+        return found["equilibria"]  # type: ignore[return-value]
+
+    def linearise(
+        self,
+        at: str | float = "equilibrium",
+        *,
+        want: Mapping[str, Value] | None = None,
+        start: Mapping[str, Value] | None = None,
+        inputs: Mapping[str, Value] | None = None,
+    ) -> Linear:
+        """Returns the linear model beside the equilibrium nearest to the start; at="trim": beside
+        the steady state at which the quantities of `want` have these values; at=2.5: beside the
+        state at this time. Raises UsageError, ModelError, RunError."""
+        from ..analysis.linear import linearise
+
+        with in_words():
+            options = arguments.options(self, {"start": start, "inputs": inputs})
+            options.at_state = at if isinstance(at, str) else f"t={at!r}"
+            options.want = [f"{k}={arguments.text(x)}" for k, x in (want or {}).items()]
+            how = {"unroll": None, "kernels": linearise.kernels(), "use": whole(options)}
+            return linearise.of_model(options, self._compiled(options, **how))
 
     def integrator(
         self,

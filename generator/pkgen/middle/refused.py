@@ -70,14 +70,16 @@ _REFUSED = {
 }
 
 
-def refuse_statements(model: Model, what: str, but: Iterable[str] = ()) -> None:
+def refuse_statements(
+    model: Model, what: str, but: Iterable[str] = (), named: str | None = None
+) -> None:
     """Raises ModelError for the first statement that `what`, a command, does not run. It runs those
-    in the fields `but`."""
+    in the fields `but`. Messages call the command `named`."""
     for field, refused in _REFUSED.items():
         for item in getattr(model, field) if what in refused and field not in but else ():
             message, instead = refused[what]
             span = item.head if field == "samples" else item.span
-            raise error(model, message.format(what), span, instead)
+            raise error(model, message.format(named or what), span, instead)
 
 
 def refuse_diagnostics(model: Model, names: Iterable[str]) -> None:

@@ -121,6 +121,7 @@ void settings_tell(struct pk_run *run, FILE *file)
     json_close(&j, ']');
     json_numbers(&j, "q", s->q, settings_coordinates(s));
     json_numbers(&j, "v", s->v, s->n);
+    json_numbers(&j, "inputs", s->u, s->system->n_inputs);
     json_counts(&j, {"rotations", s->system->n_rotations},
                 {"constraints", s->system->constraints.n},
                 {"holonomic", s->system->constraints.n_holonomic});

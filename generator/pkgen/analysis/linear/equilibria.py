@@ -17,6 +17,7 @@ to corrections of least norm (newton.py). The search may miss some equilibria.
 
 from __future__ import annotations
 
+import argparse
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -25,11 +26,13 @@ from functools import cached_property
 import numpy
 from numpy import linalg
 
+from ...compiler import Compilation
+from ...system.exits import UsageError
 from . import modes
 from .newton import BESIDE, deflation, halton, least, primes, shortened
 from .rest import ZERO, Equilibrium, Mode, Rest
-from .symmetries import Fields, Symmetry
-from .system import EXACT, System, floats
+from .symmetries import Fields, Symmetry, symmetries
+from .system import EXACT, System, floats, opened
 
 TURN = 2 * math.pi
 TRIES = 100  # starts of the search, besides the start of the motion
@@ -320,6 +323,8 @@ class Search:
         for one, energy, other in zip(self.known, energies, self.slacks, strict=True):
             if not slack or not other:
                 continue
+            if self.moving and given["constraints"] > given["holonomic"]:
+                return True  # the one nearest to the start stands for them
             if abs(h - energy) <= 1e-9 * size:
                 return True
             if given["constraints"] > given["holonomic"]:
@@ -386,12 +391,13 @@ def rest(system: System, tries: int = TRIES, symmetries: Sequence[Symmetry] = ()
     """Returns the equilibria with their modes, in the order of energy; with `symmetries`, motions
     along these too. Angles are in (-pi, pi], and the first number of a quaternion that is not 0 is
     positive."""
-    if not system.given["autonomous"]:
+    if not system.is_steady():
         return Rest("PK_REFUSED", (), 0, 0, False)
     search = Search(system, symmetries)
     more = search.run(tries)
     found = []
     for z, doubt, slack in zip(search.known, search.doubts, search.slacks, strict=True):
+        z[abs(z) < 1e-15 * search.box] = 0
         z[search.turns] -= TURN * numpy.ceil(z[search.turns] / TURN - 0.5 - 1e-8)
         for Q in z[search.quaternions].reshape(-1, 4):
             Q *= numpy.sign(Q[(abs(Q) > 1e-9).argmax()])
@@ -399,8 +405,8 @@ def rest(system: System, tries: int = TRIES, symmetries: Sequence[Symmetry] = ()
         # Far away rates may only be too small; L may be undefined.
         if math.isfinite(energy) and (abs(z - search.middle) <= FURTHEST * search.box).all():
             speeds = z[system.n :]
-            turn = sum(x * s.G for x, s in zip(speeds, search.moving, strict=True))
-            status, modes_of = modes.settled(system, state, doubt[: system.n], turn)
+            moving = [x * s.G for x, s in zip(speeds, search.moving, strict=True)]
+            status, modes_of = modes.settled(system, state, doubt[: system.n], moving)
             q, v = floats(system.q(state)), floats(system.v(state))
             # The energy of a model that is judged by distances is not used.
             h = 0.0 if system.by_norm else energy
@@ -423,5 +429,20 @@ def rest(system: System, tries: int = TRIES, symmetries: Sequence[Symmetry] = ()
         tuple(map(bool, search.turns)),
         floats(search.middle[: system.n]),
         floats(search.box[: system.n]),
+        tuple(map(int, search.cyclic)),
         tuple(search.moving),
     )
+
+
+def of_model(options: argparse.Namespace, compilation: Compilation) -> Rest:
+    """Returns the equilibria of a compiled model, and its motions along symmetries. Raises
+    UsageError, ModelError, BuildError."""
+    system = opened(options, compilation, "pkgen equilibria")
+    if not system.is_steady():
+        raise UsageError(
+            "the equations depend on time: nothing rests, and nothing goes on steadily"
+        )
+    units = [item.unit for item in compilation.equations.coordinates[: system.m]]
+    with numpy.errstate(all="ignore"):
+        found = symmetries(Fields(system), units)
+    return rest(system, options.tries or TRIES, found)

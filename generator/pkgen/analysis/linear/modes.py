@@ -18,6 +18,7 @@ to Mechanics and Symmetry, 8.9.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cmp_to_key
 
 import numpy
@@ -35,13 +36,13 @@ SAME = 1e-2  # relative difference of lambda that shows a spurious mode
 
 
 def modes(
-    system: System, state: numpy.ndarray, turn: numpy.ndarray | float = 0.0
+    system: System, state: numpy.ndarray, moving: Sequence[numpy.ndarray] = ()
 ) -> tuple[str, list[Mode]]:
-    """Returns the status and the modes; without modes if the status is not PK_DONE. `turn` is the
-    matrix G of the affine field along which the state moves (symmetries.py), or 0."""
+    """Returns the status and the modes; without modes if the status is not PK_DONE. The state moves
+    along symmetries: `moving` are their matrices G (symmetries.py), times the speeds."""
     try:
-        if system.n > system.m or system.given["constraints"] or numpy.any(turn):
-            found = _first_order(system, state, turn)
+        if system.n > system.m or system.given["constraints"] or moving:
+            found = _first_order(system, state, moving)
         else:
             found = _of_coordinates(system, state)
     except linalg.LinAlgError:
@@ -52,19 +53,22 @@ def modes(
 
 
 def settled(
-    system: System, state: numpy.ndarray, doubt: numpy.ndarray, turn: numpy.ndarray | float = 0.0
+    system: System,
+    state: numpy.ndarray,
+    doubt: numpy.ndarray,
+    moving: Sequence[numpy.ndarray] = (),
 ) -> tuple[str, list[Mode]]:
     """Returns the status and the modes, with lambda = 0 for spurious modes. `doubt` estimates the
     error of the equilibrium `state`. If linear terms vanish at the exact equilibrium, their values
     at `state` are proportional to this error. Therefore a mode is spurious if its lambda changes
     when `state` is moved by `doubt`."""
-    status, found = modes(system, state, turn)
+    status, found = modes(system, state, moving)
     by_rate = numpy.arange(system.n) >= system.m
     by_rate[system.given["cyclic"]] = True
     moved = state + numpy.concatenate(
         [numpy.where(by_rate, 0, doubt), numpy.where(by_rate, doubt, 0)]
     )
-    known, others = modes(system, moved, turn)
+    known, others = modes(system, moved, moving)
     if known != "PK_DONE":
         return status, found
     beside = numpy.array([complex(m.growth, m.frequency) for m in others])
@@ -140,14 +144,13 @@ def _of_coordinates(system: System, state: numpy.ndarray) -> list[Mode] | None:
 
 
 def _first_order(
-    system: System, state: numpy.ndarray, turn: numpy.ndarray | float
+    system: System, state: numpy.ndarray, moving: Sequence[numpy.ndarray]
 ) -> list[Mode] | None:
     n, m, free = system.n, system.m, ~system.idle
     among = numpy.array([*numpy.flatnonzero(free), *range(n, n + m)])
     A = system.linearised(0.0, state)
-    if numpy.any(turn):  # in the frame that moves along
-        order = [*range(m), *range(2 * m, m + n), *range(m, 2 * m)]
-        A -= turn[numpy.ix_(order, order)]
+    order = [*range(m), *range(2 * m, m + n), *range(m, 2 * m)]
+    A -= sum(G[numpy.ix_(order, order)] for G in moving)  # in the frame that moves along
     A = A[numpy.ix_(among, among)]
     if not numpy.isfinite(A).all():
         raise linalg.LinAlgError
@@ -158,7 +161,8 @@ def _first_order(
             return None
     values, shapes = linalg.eig(A)
     values = _cleared(values)
-    left = int(system.idle[:m].sum())  # number of zero eigenvalues from constant momenta
+    # The number of zero eigenvalues from constant momenta, and from displacements along symmetries.
+    left = int(system.idle[:m].sum()) + 2 * len(moving)
     zeros = numpy.flatnonzero(values == 0)[:left]
     found = []
     for k in numpy.flatnonzero(values.imag >= 0):
@@ -214,7 +218,7 @@ def _tangent(
     columns, kinds = [], []
     for kind in (0, 1) if not mixed else (-1,):
         some = numpy.flatnonzero((rate == kind) | mixed)
-        free = _null_space(C[:, some])
+        free = null_space(C[:, some])
         basis = numpy.zeros((len(among), free.shape[1]))
         basis[some] = free
         columns.append(basis)
@@ -229,7 +233,8 @@ def _tangent(
     return T, found
 
 
-def _null_space(C: numpy.ndarray) -> numpy.ndarray:
+def null_space(C: numpy.ndarray) -> numpy.ndarray:
+    """Returns an orthonormal basis, as columns, of all x with C x = 0."""
     sizes = linalg.norm(C, axis=1)
     rows = C[sizes > 0] / sizes[sizes > 0][:, None]
     if not rows.size:

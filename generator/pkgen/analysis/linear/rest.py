@@ -78,6 +78,7 @@ class Rest:
     turns: tuple[bool, ...] = ()  # for each coordinate: whether it has the period 2 pi
     middle: tuple[float, ...] = ()  # the search begins within middle +- box (docs/maps.md)
     box: tuple[float, ...] = ()
+    cyclic: tuple[int, ...] = ()
     moving: tuple[Symmetry, ...] = ()  # symmetries besides shifts of cyclic coordinates
 
     def beside(self, q: float, place: float, i: int) -> float:

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import argparse
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 import numpy
 
+from ...compiler import Compilation
+from ...middle.refused import refuse_statements
+from ...run.build import build_library
 from ...run.integration import Integration
 from ...run.library import load
 from ...run.settings import Settings
+from ...scenes import run_settings, scene
 from ...system.exits import UsageError
 
 MOST_STEPS = 4_000_000
@@ -28,7 +34,10 @@ def floats(xs: numpy.ndarray) -> tuple[float, ...]:
 
 
 class System:
-    """States are arrays of q, then v. Unknown i is q_i, or v_i for a first-order variable."""
+    """States are arrays of q, then v. Unknown i is q_i, or v_i for a first-order variable. Kernels
+    take `inputs`, of shape (inputs,) or (states, inputs); None: those of the settings."""
+
+    inputs: numpy.ndarray | None = None
 
     def __init__(
         self, program: Path, settings: Settings, left: Callable[[], float] = lambda: math.inf
@@ -71,7 +80,9 @@ class System:
 
     def kernel(self, name: str, t: numpy.ndarray | float, states: numpy.ndarray) -> numpy.ndarray:
         states = numpy.atleast_2d(states)
-        return self.run.evaluate(name, t, self.q(states), self.v(states))
+        u = self.inputs
+        given = None if u is None else numpy.broadcast_to(u, (len(states), u.shape[-1]))
+        return self.run.evaluate(name, t, self.q(states), self.v(states), given)
 
     def begin(self, method: str, state: numpy.ndarray | None = None, **more: float) -> Integration:
         return Integration(
@@ -130,6 +141,15 @@ class System:
             unread &= (jacobian.reshape(2, self.n, self.n)[1][:, self.m :] == 0).all(0)
         return unread
 
+    def is_steady(self) -> bool:
+        """Returns whether nothing depends on time, with constant inputs."""
+        if self.given["autonomous"]:
+            return True
+        t = numpy.array([0.0, 0.37, 1.91, 5.3])
+        shifts = numpy.array([0.0, 0.13, 0.29])[:, None] * (1 + abs(self.start))
+        found = [self.kernel("acceleration", t, numpy.tile(self.start + d, (4, 1))) for d in shifts]
+        return all((a[1:] == a[0]).all() for a in found if numpy.isfinite(a).all())
+
     def kinds(self) -> list[range]:
         """Returns the index ranges, in a state, of coordinates, integrals of first-order variables,
         rates, body rates, quaternions, other first-order variables."""
@@ -167,3 +187,17 @@ class System:
         linear equation that the body's quaternion obeys."""
         rates = self.v(state)[self.m : self.m + self.turning].reshape(-1, 3)
         return float(numpy.sqrt((rates**2).sum(1)).max(initial=0.0))
+
+
+def opened(options: argparse.Namespace, compilation: Compilation, command: str) -> System:
+    """Returns the system of a compiled model, at the start and with the parameters of `options` and
+    their scene. `command` is its name in messages. Raises UsageError, ModelError, BuildError."""
+    refuse_statements(compilation.declared, "pkgen stability", ("samples", "noises"), command)
+    if compilation.looped:
+        raise UsageError(f"{command} is of single coordinates, and the families are kept as loops")
+    given = argparse.Namespace(**{**vars(options), "until": options.until or "1.0"})
+    chosen = scene.of(given, compilation.declared)
+    whole = run_settings.settings(given, compilation, chosen=chosen)
+    model = compilation.model
+    program = build_library(compilation.files, model.name, own=model.methods)
+    return System(program, replace(whole, every=None, method="rk4", step=None, show=(), at=None))
