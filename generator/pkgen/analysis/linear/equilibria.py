@@ -405,7 +405,7 @@ def rest(system: System, tries: int = TRIES, symmetries: Sequence[Symmetry] = ()
         # Far away rates may only be too small; L may be undefined.
         if math.isfinite(energy) and (abs(z - search.middle) <= FURTHEST * search.box).all():
             speeds = z[system.n :]
-            moving = [x * s.G for x, s in zip(speeds, search.moving, strict=True)]
+            moving = list(zip(speeds, search.moving, strict=True))
             status, modes_of = modes.settled(system, state, doubt[: system.n], moving)
             q, v = floats(system.q(state)), floats(system.v(state))
             # The energy of a model that is judged by distances is not used.

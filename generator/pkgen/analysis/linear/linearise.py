@@ -39,8 +39,8 @@ NEAR = 1e-9  # a singular value below this part of the largest counts as 0
 @dataclass(frozen=True)
 class Linear:
     """A linear model in SI units, with matrices `A, B, C, D = linear`, as in
-    `scipy.signal.StateSpace(*linear)`. `state` and `input` have the values of all quantities at the state, by name; `period` is that of
-    a discrete model, or 0."""
+    `scipy.signal.StateSpace(*linear)`. `state` and `input` have the values of all quantities at the
+    state, by name; `period` is that of a discrete model, or 0."""
 
     A: NDArray[Any]
     B: NDArray[Any]
@@ -194,7 +194,7 @@ def linear(
     compilation: Compilation,
     state: NDArray[Any],
     t: float = 0.0,
-    moving: Sequence[NDArray[Any]] = (),
+    moving: Sequence[modes.Moving] = (),
 ) -> Linear:
     """Returns the linear model beside a state, at the inputs of the system; `moving` as in
     modes.modes(). Raises NumericsFailed."""
@@ -207,7 +207,7 @@ def linear(
         return system.kernel(name, t, state)[0].reshape(rows, columns)
 
     order = [*range(m), *range(2 * m, m + n), *range(m, 2 * m)]
-    A = system.linearised(t, state) - sum(G[numpy.ix_(order, order)] for G in moving)
+    A = system.linearised(t, state) - sum(x * s.G[numpy.ix_(order, order)] for x, s in moving)
     M, r_u = kernel("mass", n, n), kernel("r_u", n, count)
     numbers = [*range(m), *range(n + m, 2 * n), *range(n, n + m)]  # of a state those in use
     C, D = kernel("out_x", len(outputs), 2 * n)[:, numbers], kernel("out_u", len(outputs), count)
@@ -242,8 +242,8 @@ def linear(
     )
 
 
-def _nearest(system: System, compilation: Compilation) -> tuple[NDArray[Any], list[NDArray[Any]]]:
-    """Returns the equilibrium nearest to the start, and the matrices of its motion."""
+def _nearest(system: System, compilation: Compilation) -> tuple[NDArray[Any], list[modes.Moving]]:
+    """Returns the equilibrium nearest to the start, and the symmetries along which it moves."""
     units = [item.unit for item in compilation.equations.coordinates[: system.m]]
     with numpy.errstate(all="ignore"):
         found = rest(system, TRIES, symmetries(Fields(system), units))
@@ -262,13 +262,13 @@ def _nearest(system: System, compilation: Compilation) -> tuple[NDArray[Any], li
         return float(abs(d / numpy.array(found.box)).max(initial=0.0))
 
     at = min(found.equilibria, key=distance)
-    moving = [x * s.G for x, s in zip(at.speeds, found.moving, strict=True)]
-    return numpy.array([*at.q, *at.v]), moving
+    return numpy.array([*at.q, *at.v]), list(zip(at.speeds, found.moving, strict=True))
 
 
 def _trim(system: System, compilation: Compilation, wanted: Mapping[str, float]) -> NDArray[Any]:
     """Returns a steady state near the start, at which the quantities `wanted` have their values;
-    sets the inputs of the system. Coordinates whose rates are wanted may move. Raises UsageError."""
+    sets the inputs of the system. Coordinates move where their rates are wanted. Raises
+    UsageError."""
     n, m, e = system.n, system.m, compilation.equations
     q, v = (list(named.coordinates(compilation, rates=x).names()) for x in (False, True))
     inputs, outputs = [x.name for x in e.inputs], [x.name for x in e.observed_names]

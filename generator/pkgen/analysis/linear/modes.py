@@ -25,7 +25,10 @@ import numpy
 from numpy import linalg
 
 from .rest import ZERO, Mode
+from .symmetries import Symmetry
 from .system import System
+
+Moving = tuple[float, Symmetry]
 
 NATURAL = 1e-12  # a smaller C, or asymmetry of K, relative to the equations' terms, is round-off
 DEPENDENT = 1e-9  # a singular value below this part of the largest counts as 0
@@ -36,10 +39,10 @@ SAME = 1e-2  # relative difference of lambda that shows a spurious mode
 
 
 def modes(
-    system: System, state: numpy.ndarray, moving: Sequence[numpy.ndarray] = ()
+    system: System, state: numpy.ndarray, moving: Sequence[Moving] = ()
 ) -> tuple[str, list[Mode]]:
     """Returns the status and the modes; without modes if the status is not PK_DONE. The state moves
-    along symmetries: `moving` are their matrices G (symmetries.py), times the speeds."""
+    along the symmetries `moving`, each with its speed; displacements along them are no modes."""
     try:
         if system.n > system.m or system.given["constraints"] or moving:
             found = _first_order(system, state, moving)
@@ -56,7 +59,7 @@ def settled(
     system: System,
     state: numpy.ndarray,
     doubt: numpy.ndarray,
-    moving: Sequence[numpy.ndarray] = (),
+    moving: Sequence[Moving] = (),
 ) -> tuple[str, list[Mode]]:
     """Returns the status and the modes, with lambda = 0 for spurious modes. `doubt` estimates the
     error of the equilibrium `state`. If linear terms vanish at the exact equilibrium, their values
@@ -144,13 +147,13 @@ def _of_coordinates(system: System, state: numpy.ndarray) -> list[Mode] | None:
 
 
 def _first_order(
-    system: System, state: numpy.ndarray, moving: Sequence[numpy.ndarray]
+    system: System, state: numpy.ndarray, moving: Sequence[Moving]
 ) -> list[Mode] | None:
     n, m, free = system.n, system.m, ~system.idle
     among = numpy.array([*numpy.flatnonzero(free), *range(n, n + m)])
     A = system.linearised(0.0, state)
     order = [*range(m), *range(2 * m, m + n), *range(m, 2 * m)]
-    A -= sum(G[numpy.ix_(order, order)] for G in moving)  # in the frame that moves along
+    A -= sum(speed * s.G[numpy.ix_(order, order)] for speed, s in moving)  # in the moving frame
     A = A[numpy.ix_(among, among)]
     if not numpy.isfinite(A).all():
         raise linalg.LinAlgError
@@ -159,10 +162,15 @@ def _first_order(
         T, A = _tangent(system, state, among, A)
         if not T.size:
             return None
+    if moving:
+        Y = numpy.concatenate([state[:m], system.v(state)])
+        along = T.T @ numpy.array([s.at(Y)[order][among] for _, s in moving]).T
+        left_out = null_space(along.T)
+        T, A = T @ left_out, left_out.T @ A @ left_out
     values, shapes = linalg.eig(A)
     values = _cleared(values)
-    # The number of zero eigenvalues from constant momenta, and from displacements along symmetries.
-    left = int(system.idle[:m].sum()) + 2 * len(moving)
+    # The number of zero eigenvalues from constant momenta.
+    left = int(system.idle[:m].sum()) + len(moving)
     zeros = numpy.flatnonzero(values == 0)[:left]
     found = []
     for k in numpy.flatnonzero(values.imag >= 0):

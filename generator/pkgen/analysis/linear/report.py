@@ -16,8 +16,8 @@ TURNS = {"plane": ("turn", "rotation"), "space": ("turn", "precession"), "body":
 
 
 def _words(compilation: Compilation) -> list[str]:
-    """Returns for each angle the word that its author has for it, or "": the comments of `coord phi,
-    theta [rad]  # precession, nutation` are such words, one for each coordinate."""
+    """Returns for each angle the word that its author has for it, or "". In `coord phi, theta [rad]
+    # precession, nutation` the comment has such words, one for each coordinate."""
     items = compilation.equations.coordinates
     count, seen, words = Counter(x.description for x in items), Counter[str](), []
     for item in items:

@@ -1,0 +1,273 @@
+"""Equilibria, steady motions and linear models: against closed forms, differences and motions."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import random
+from pathlib import Path
+
+import numpy
+import pytest
+
+import pkgen as package
+from conftest import ROOT, ran, seeds, written
+from pkgen.analysis.linear import linearise
+from pkgen.analysis.linear.system import opened
+from pkgen.api.arguments import DEFAULTS
+
+TOP = {"precession": 1.1931380589634, "spin": 17.3870829461320, "nutation": 7.3155695065632}
+HOOP = ROOT / "models/bead_on_hoop.lag"
+SWING = ROOT / "models/controlled/cart_pole_swing_up.lag"
+
+
+def load(name: str, **params: float) -> package.api.model.Model:
+    model = package.load(ROOT / "models" / name)
+    model.params.update(params)
+    return model
+
+
+# -- equilibria and steady motions ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["heavy_top.lag", "bodies/heavy_top_rotation.lag"])
+def test_a_top_precesses_nutates_and_spins(name: str) -> None:
+    done = ran("equilibria", ROOT / "models" / name, "--json")
+    found = json.loads(done.stdout)["equilibria"]
+    assert len(found) == 2 and all(at["stable"] for at in found)
+    for at in found:
+        assert {k: at[k] for k in TOP} == pytest.approx(TOP, rel=1e-11)
+        assert at["frequencies"] == [at["nutation"]]
+    if name == "heavy_top.lag":
+        assert abs(found[0]["state"]["theta"]) == pytest.approx(0.6593415109076552, rel=1e-13)
+
+
+def test_the_lagrange_points() -> None:
+    model = load("particles/restricted_three_body.lag")
+    found = model.equilibria()
+    mu = model.params["mu"]
+    five = [at for at in found if abs(at["state"]["y"]) > 0.1]
+    assert len(found) == 5 and [at["stable"] for at in five] == [True, True]
+    # Szebehely, Theory of Orbits (1967) 5.5: w^4 - w^2 + 27 mu (1 - mu)/4 = 0 of L4 and L5.
+    roots = numpy.roots([1, -1, 27 * mu * (1 - mu) / 4])
+    for at in five:
+        place = at["state"]["x"], abs(at["state"]["y"])
+        assert place == pytest.approx((0.5 - mu, math.sqrt(0.75)), abs=1e-13)
+        assert sorted(x**2 for x in at["frequencies"]) == pytest.approx(sorted(roots), rel=1e-9)
+
+
+def test_a_hoop_has_a_pitchfork() -> None:
+    model = package.load(HOOP)
+    g, r = model.params["g"], model.params["R"]
+    critical = math.sqrt(g / r)
+    for part, count in ((0.9, 2), (1.1, 4)):
+        model.params["Omega"] = part * critical
+        found = model.equilibria()
+        assert len(found) == count
+        lowest = abs(found[0]["state"]["theta"])
+        assert lowest == pytest.approx(math.acos(min(1, part**-2)), abs=1e-12)
+
+
+def test_a_disk_goes_round_steadily() -> None:
+    (at,) = load("constrained/rolling_disk.lag").equilibria()
+    assert at["precession"] == pytest.approx(10, rel=1e-9)
+    assert at["verdict"] == "stable"
+
+
+def test_a_free_body_turns_about_three_axes() -> None:
+    """Euler: unstable about the middle axis, by the rates of the closed form."""
+    model = load("bodies/free_body.lag")
+    I = [model.params[f"I{k}"] for k in (1, 2, 3)]
+    for at in model.equilibria():
+        w = numpy.array([at["state"][f"omega(R).{x}"] for x in "xyz"])
+        k = int(abs(w).argmax())
+        a, b = (I[i] for i in range(3) if i != k)
+        square = (I[k] - a) * (I[k] - b) / (a * b) * w[k] ** 2
+        assert at["stable"] == (square > 0)
+        rates = at["frequencies"] or [max(m["growth"] for m in at["modes"])]
+        assert rates == pytest.approx([math.sqrt(abs(square))], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "constant"),
+    [
+        ("heavy_top.lag", ["theta", "energy"]),
+        ("bodies/heavy_top_rotation.lag", ["top"]),
+        ("particles/kepler.lag", ["r"]),
+        ("constrained/rolling_disk.lag", ["z"]),
+    ],
+)
+def test_a_steady_motion_goes_on(name: str, constant: list[str]) -> None:
+    model = load(name)
+    for at in model.equilibria()[:2]:
+        run = model.run(3.0, method="gauss", rtol=1e-12, start=at["state"], record=constant)
+        for column in ("top.z",) if constant == ["top"] else constant:
+            assert numpy.ptp(run[column]) < 1e-9 * max(1, abs(run[column]).max())
+
+
+def test_no_place_to_rest() -> None:
+    text = "model falls\ncoord x\nkinetic x'^2/2\npotential x\n"
+    assert falls(text) == []
+
+
+def falls(text: str) -> list:
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as folder:
+        return package.load(written(Path(folder), text)).equilibria()
+
+
+# -- Jacobians -----------------------------------------------------------------------------------
+
+
+def drawn(chance: random.Random) -> tuple[str, list[str], list[str]]:
+    """A random model: its text, parameters, inputs."""
+    n, rotation = chance.randint(1, 3), chance.random() < 0.3
+    q, p = [f"q{k}" for k in range(n)], [f"k{k}" for k in range(3)]
+    u = ["u0", "u1"][: chance.randint(1, 2)]
+
+    def term() -> str:
+        a, b = chance.choice(q), chance.choice(q)
+        of = chance.choice(
+            ["sin({a})*{p}", "{p}^2*{a}*{b}", "exp({p}*{a}/4)", "cos({a} - {p}*{b})"]
+        )
+        return f"{chance.uniform(-1, 1):.3f}*" + of.format(a=a, b=b, p=chance.choice(p))
+
+    lines = ["model drawn", *(f"param {x} = {chance.uniform(0.5, 1.5):.3f}" for x in p)]
+    lines += [f"coord {', '.join(q)}", f"input {', '.join(u)}"]
+    kinetic = [f"(1.5 + {chance.choice(p)}*cos({chance.choice(q)})/4)*{x}'^2" for x in q]
+    if n > 1:
+        kinetic.append(f"0.3*sin({q[0]})*{q[0]}'*{q[1]}'*{chance.choice(p)}")
+    if rotation:
+        lines += ["rotation R", "let w = omega(R)", "start omega(R) = [0.3, -0.2, 0.4]"]
+        kinetic.append(f"{p[0]}*w.x^2 + w.y^2 + 0.7*w.z^2 + 0.1*w.x*{q[0]}'")
+        lines.append(f"potential {p[1]}*dot(R*[0, 0, 1], [0, 1, {q[0]}])")
+    state = chance.random() < 0.5
+    lines += [f"kinetic {' + '.join(kinetic)}", f"potential {term()} + {term()} + {q[0]}^2"]
+    lines.append(f"force {q[0]} = {u[0]}*{p[0]} + {u[-1]}*{q[-1]} - {p[1]}*{q[0]}'")
+    if state:
+        lines += ["state s", f"rate s = {q[0]}' - {p[2]}*s + {u[-1]}*s", "start s = 0.4"]
+    lines.append(f"observe a = {q[0]}*{u[0]} + {p[0]}*{q[-1]}'^2" + (" + s" if state else ""))
+    lines.append(f"observe b = {q[0]}''")
+    lines.append("start " + ", ".join(f"{x} = {chance.uniform(-1, 1):.3f}" for x in q))
+    lines.append("start " + ", ".join(f"{x}' = {chance.uniform(-1, 1):.3f}" for x in q))
+    return "\n".join(lines) + "\n", p, u
+
+
+def slope(f, h: float = 2e-3) -> numpy.ndarray:
+    """The derivative of f at 0 by differences of order 6."""
+    d = [f(k * h) - f(-k * h) for k in (1, 2, 3)]
+    return (45 * d[0] - 9 * d[1] + d[2]) / (60 * h)
+
+
+@pytest.mark.parametrize("seed", seeds(range(3), 12))
+def test_jacobians_are_slopes(seed: int, tmp_path: Path) -> None:
+    text, p, u = drawn(random.Random(seed))
+    path = written(tmp_path, text)
+    model = package.load(path)
+    options = argparse.Namespace(
+        **{**DEFAULTS, "model": str(path), "scene": None, "set": [], "start": []}
+    )
+    made = model._compiled(options, unroll=None, kernels=linearise.kernels() | {"r_p", "out_p"})
+    system = opened(options, made, "test")
+    chance = numpy.random.default_rng(seed)
+    n, m, given = system.n, system.m, chance.uniform(-1, 1, len(u))
+    system.inputs = given
+    q, v = numpy.split(system.start.copy(), 2)
+    q = numpy.nan_to_num(q)
+
+    def at(name: str, q=q, v=v, u=given) -> numpy.ndarray:
+        system.inputs = u
+        found = system.kernel(name, 0.0, numpy.concatenate([q, v]))[0]
+        system.inputs = given
+        return found
+
+    def close(a: numpy.ndarray, b: numpy.ndarray) -> None:
+        assert a == pytest.approx(b, rel=1e-8, abs=1e-8)
+
+    M, e = at("mass").reshape(n, n), numpy.eye(max(n, len(u)))
+    r_u, out_u = at("r_u").reshape(n, len(u)), at("out_u").reshape(2, len(u))
+    for j in range(len(u)):
+        by = e[j, : len(u)]
+        close(
+            numpy.linalg.solve(M, r_u[:, j]), slope(lambda h: at("acceleration", u=given + h * by))
+        )
+        close(out_u[:, j], slope(lambda h: at("outputs", u=given + h * by)))
+    out_x = at("out_x").reshape(2, 2, n)
+    for j in range(n):
+        by = e[j, :n]
+        close(out_x[:, 1, j], slope(lambda h: at("outputs", v=v + h * by)))
+        if j < m:
+            close(out_x[:, 0, j], slope(lambda h: at("outputs", q=q + h * by)))
+    r_p, out_p = at("r_p").reshape(n, len(p)), at("out_p").reshape(2, len(p))
+    for j, name in enumerate(p):
+
+        def changed(kind: str, h: float) -> numpy.ndarray:
+            options.set = [f"{name}={model.params[name] + h!r}"]
+            other = opened(options, made, "test")
+            other.inputs = given
+            return other.kernel(kind, 0.0, numpy.concatenate([q, v]))[0]
+
+        close(numpy.linalg.solve(M, r_p[:, j]), slope(lambda h: changed("acceleration", h)))
+        close(out_p[:, j], slope(lambda h: changed("outputs", h)))
+
+
+# -- linear models -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", seeds(range(3), 6))
+def test_a_linear_model_is_the_slope_of_the_motion(seed: int, tmp_path: Path) -> None:
+    text, _, _ = drawn(random.Random(seed))
+    model = package.load(written(tmp_path, text))
+    found = model.linearise(at=0.0)
+    A, B, C, D = found
+    y = numpy.array([found.state[x] for x in (*model.coordinates, *model.rates)])
+    names = [*model.coordinates, *model.rates]
+    m, of = len(model.coordinates), [names.index(x) for x in found.states]
+    free = [k for k, x in enumerate(names) if x in found.states]
+    assert {*found.states} <= {*names} and found.outputs == ("a", "b")
+    if len(free) < len(names):
+        return  # with a rotation: of its freedoms, see the top
+
+    def rate(y: numpy.ndarray, u: numpy.ndarray) -> numpy.ndarray:
+        return numpy.array([*y[m : 2 * m], *model.acceleration(y[:m], y[m:], u=u)])
+
+    u = numpy.zeros(B.shape[1])
+    for j, k in enumerate(of):
+        by = numpy.eye(len(names))[k]
+        assert A[:, j] == pytest.approx(slope(lambda h: rate(y + h * by, u))[of], abs=1e-8)
+    for j in range(len(u)):
+        by = numpy.eye(len(u))[j]
+        assert B[:, j] == pytest.approx(slope(lambda h: rate(y, u + h * by))[of], abs=1e-8)
+
+
+def test_a_rod_is_linear_as_an_angle() -> None:
+    rod = load("constrained/pendulum_rod.lag").linearise()
+    assert rod.states == ("x", "x'") and rod.state["y"] == pytest.approx(-1)
+    assert rod.poles == pytest.approx([-1j * math.sqrt(9.81), 1j * math.sqrt(9.81)])
+
+
+def test_a_trim_gives_the_regulator_of_the_model() -> None:
+    scipy = pytest.importorskip("scipy.linalg")
+    model = package.load(SWING)
+    upright = model.linearise("trim", want={"theta": 0})
+    assert upright.inputs == ("u",) and upright.controllability()[0] == 4
+    A, B, _, _ = upright.discrete(model.params["T"])
+    P = scipy.solve_discrete_are(A, B, numpy.diag([5.0, 20, 1, 1]), [[0.1]])
+    (gains,) = numpy.linalg.solve(0.1 + B.T @ P @ B, B.T @ P @ A)
+    assert -gains == pytest.approx([model.params[f"f{k}"] for k in (1, 2, 3, 4)], abs=1e-6)
+
+
+def test_a_command_gives_matrices_with_their_names() -> None:
+    words = ("linearise", SWING, "--at", "trim", "--want", "theta=0")
+    found = json.loads(ran(*words, "--json").stdout)
+    assert found["states"] == ["x", "theta", "x'", "theta'"]
+    assert found["A"][3][1] == pytest.approx(23.544) and found["B"] == [[0], [0], [1], [-2]]
+    assert found["units"] == {
+        "states": ["m", "rad", "m/s", "rad/s"],
+        "inputs": ["N"],
+        "outputs": ["m", "rad", "m/s", "rad/s"],
+    }
+    assert "sys = ss(A, B, C, D);" in ran(*words, "--matlab").stdout
+    assert "controllable: 4 of 4" in ran(*words).stdout
