@@ -111,6 +111,8 @@ static int diagnose(struct program *p, const struct option *o, const char *text)
         name[length < 63 ? length : 63] = '\0';
         if (!pk_run_diagnostic(name))
             return usage(o->name, text, "there is no such diagnostic");
+        if (strcmp(name, "modes") == 0)
+            return usage(o->name, text, "modes are found by 'pkgen run', in Python");
         p->settings.diagnose |= pk_run_diagnostic(name);
     }
     return 0;

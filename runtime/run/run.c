@@ -241,6 +241,5 @@ void pk_run_free(struct pk_run *run)
     memory_end(&run->memory);
     free(run->report);
     free(run->told);
-    free(run->equilibria);
     free(run);
 }

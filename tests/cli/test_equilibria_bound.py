@@ -16,7 +16,7 @@ from pkgen.analysis.stability import measure
 from pkgen.analysis.stability.ask import Asker
 from pkgen.analysis.stability.method import StepMap
 from pkgen.analysis.stability.predict import limit
-from pkgen.analysis.stability.rest import Rest
+from pkgen.analysis.linear.rest import Rest
 
 ANGLE = case("equilibria_bound_angle")
 ROD = case("equilibria_bound_rod")

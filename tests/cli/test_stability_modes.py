@@ -9,7 +9,7 @@ import pytest
 from stability_asker import PENDULUM, asker
 
 from conftest import case
-from pkgen.analysis.stability.rest import Mode
+from pkgen.analysis.linear.rest import Mode
 
 DOUBLE = case("stability_modes_double")
 

@@ -4,7 +4,6 @@
 #include "../../runtime/run/diagnose/motion.h"
 #include "fixture.h"
 
-#include <pk/gsl_equilibria.h>
 
 static struct fixture f;
 
@@ -156,11 +155,4 @@ TEST("no symplectic form")
     const struct motion m = motion_from(&f, "rk4", 1);
     CU_ASSERT(stepmap_begin(&map, &m) == PK_REFUSED);
     CU_ASSERT(fixture_run(&f, &brusselator_system, "verlet", 0.1, 1) == PK_REFUSED);
-    double q[8], v[8];
-    struct pk_equilibria found = {.most = 4, .q = q, .v = v};
-    /* x = 1, y = 3 */
-    CU_ASSERT(pk_gsl_equilibria(&f.problem, f.q0, f.v0, 8, &found) == PK_DONE);
-    CU_ASSERT_EQUAL_FATAL(found.count, 1);
-    CU_ASSERT_DOUBLE_EQUAL(v[0], 1, 1e-12);
-    CU_ASSERT_DOUBLE_EQUAL(v[1], 3, 1e-12);
 }

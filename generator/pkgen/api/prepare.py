@@ -118,4 +118,9 @@ def prepare(
         why = f"no effect: nothing that scene '{options.scene}' needs reads it"
         notes.append(f"pkgen: --set {names}: {why}")
     made = compilation, settings, ensemble, threads
-    return Prepared(*made, scene=chosen, notes=tuple(notes), chosen=kept)
+    more = {"scene": chosen, "notes": tuple(notes), "chosen": kept}
+    if {"modes", "all"}.intersection(settings.diagnose):
+        from ..analysis.linear.normal import complete
+
+        more["complete"] = complete
+    return Prepared(*made, **more)

@@ -26,7 +26,6 @@ from ..scenes.compile_plan import planned, whole
 from ..system.exits import DONE, INTERRUPTED, UsageError
 from ..system.files import scratch
 from ..system.progress import progress, say
-from ..system.toolchain import BuildError, find_toolchain
 from . import arguments as shared
 from .compilation import compile_within_limits
 from .pictures import look_of, page_of, show_result, with_texts
@@ -61,10 +60,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Map where each method fails, over the step and a start or parameter, with predictions."""
-    if not find_toolchain().has_gsl:
-        raise BuildError(
-            "stability finds equilibria and modes by GSL, which is not here: install libgsl-dev"
-        )
     began = time.monotonic()
     look, directory = look_of(options), parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))

@@ -122,16 +122,6 @@ class Integration:
             self._c.pk_stability_end(of)
 
 
-def equilibria(run: Run, tries: int) -> dict:
-    """Searches equilibria; returns them with their modes. Raises UsageError."""
-    if not hasattr(run._c, "pk_stability_equilibria"):
-        raise UsageError("equilibria need the GNU Scientific Library, which is not here")
-    found = run._c.pk_stability_equilibria(run._run, tries)
-    if found is None:
-        raise UsageError(run.said().strip() or "out of memory")
-    return json.loads(found)
-
-
 def spring(
     run: Run, method: str, stiffness: float, damping: float, h: float
 ) -> tuple[float, float, float, float]:

@@ -60,6 +60,7 @@ class Runnable:
     ensemble: Ensemble | None = None
     threads: int | None = None  # None: one per processor
     library: Path | None = None  # None: the library is not built yet
+    complete: Callable[[Runnable, Outcome], Outcome] | None = None  # adds to the report
 
     def columns(self, listed: int = sys.maxsize) -> list[Quantity]:
         member = [self.ensemble.member] if self.ensemble else []
@@ -106,7 +107,9 @@ def followed(
 
         more |= {"threads": run.threads or 0}
         done = load(run.library).run(run.settings, poll, run.ensemble, **more)
-    return done, outcome(run.compilation, run.settings, done, run.ensemble)
+    told = outcome(run.compilation, run.settings, done, run.ensemble)
+    asked = run.complete and "modes" in told.report.get("diagnostics", {})
+    return done, run.complete(run, told) if asked else told
 
 
 def outcome(

@@ -42,9 +42,6 @@ int pk_stability_project(struct pk_stability *of, double *state);
 const char *pk_stability_report(struct pk_stability *of);
 void pk_stability_end(struct pk_stability *of);
 
-/* Returns the equilibria found from `tries` starts in JSON, each with `doubt`, the last correction
- * by Newton's method. Valid until the next call for this run. Not defined without GSL. */
-const char *pk_stability_equilibria(struct pk_run *run, size_t tries);
 /* Makes a step of size h on q'' = -stiffness q - damping q'; `map` is its 2 by 2 matrix for (q, v).
  * Returns the status; PK_BAD_ARGUMENT: there is no method of that name with fixed steps. */
 int pk_stability_spring(const struct pk_run_model *model, const char *method, double stiffness,

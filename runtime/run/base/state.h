@@ -141,7 +141,6 @@ struct pk_run {
     char *said;
     char *report, *told; /* JSON texts of pk_run_report() and pk_run_given(); must be freed */
     char *csv;           /* CSV rows of an ensemble member; must be freed */
-    char *equilibria;    /* JSON of pk_stability_equilibria(); must be freed */
     enum pk_run_code code;
     int refused;           /* result of prepare() on the parameters */
     struct pk_system bare; /* copy of the system; if settings.asked.bare, without events */

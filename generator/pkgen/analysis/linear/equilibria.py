@@ -29,7 +29,7 @@ from numpy import linalg
 from ...compiler import Compilation
 from ...system.exits import UsageError
 from . import modes
-from .newton import BESIDE, deflation, halton, least, primes, shortened
+from .newton import BESIDE, FLAT, deflation, halton, least, primes, shortened
 from .rest import ZERO, Equilibrium, Mode, Rest
 from .symmetries import Fields, Symmetry, symmetries
 from .system import EXACT, System, floats, opened
@@ -38,7 +38,9 @@ TURN = 2 * math.pi
 TRIES = 100  # starts of the search, besides the start of the motion
 MOST = 32  # equilibria that are returned
 FURTHEST = 1e6  # an equilibrium farther away, in boxes, is none
-ROUNDS, POLISH, AGAIN = 60, 6, 12  # Newton's iterations; at a root; searches from a start
+ROUNDS, POLISH, AGAIN = 200, 60, 40  # Newton's iterations; at a root; searches from a start
+EXACT_FLAT = 1e-15  # as FLAT, where derivatives are exact
+MORE = 8  # starts for each equilibrium found, or more
 SMALL = 1e-12  # the iteration ends when its correction is smaller, in units of reach()
 HELD, NEAR = 1e-10, 1e-4  # of a root: the equations hold, and the last correction is small
 ASIDE = 1e-2  # length of a step along a continuum, in units of reach()
@@ -53,21 +55,22 @@ class Search:
     last corrections of Newton's method, `slacks` the dimensions of the continua. Arrays of unknowns
     have the shape (states, n)."""
 
-    def __init__(self, system: System, symmetries: Sequence[Symmetry] = ()):
+    def __init__(self, system: System, symmetries: Sequence[Symmetry] = (), cyclic: bool = True):
+        """Without `cyclic`, cyclic coordinates have to rest too."""
         self.system, self.fields = system, Fields(system)
         n, m, turning = system.n, system.m, system.turning
         bodies = turning // 3
         self.body_rates = slice(m, m + turning)
         self.quaternions = slice(m + turning, m + turning + 4 * bodies)
-        cyclic = {("q", i) for i in system.given["cyclic"]}
-        self.moving = [s for s in symmetries if (s.name, s.index) not in cyclic]
+        turning_on = system.given["cyclic"] if cyclic else []
+        self.moving = [s for s in symmetries if s.name != "q" or s.index not in turning_on]
         self.by_rate = numpy.arange(n) >= m
-        self.by_rate[system.given["cyclic"]] = True
+        self.by_rate[turning_on] = True
         self.cyclic = numpy.flatnonzero(self.by_rate[:m])
         self.unread = system.idle & (numpy.arange(n) >= m)
-        start = numpy.where(numpy.isnan(system.start), 0.0, system.start)
-        self.q0, v0 = numpy.split(start, 2)
-        self.momenta = system.kernel("free momenta", 0.0, start)
+        start0 = numpy.where(numpy.isnan(system.start), 0.0, system.start)
+        self.q0, v0 = numpy.split(start0, 2)
+        self.momenta = system.kernel("free momenta", 0.0, start0)
         start = numpy.where(self.by_rate, v0, self.q0)
         start[self.body_rates] = 0
         samples = self.fields.samples(6) if self.moving else self.fields.start[None]
@@ -81,6 +84,8 @@ class Search:
         self.turns = numpy.array([*turns, *(False for _ in self.moving)])
         self.middle[self.turns] = 0
         self.box = self._box()
+        plain = not system.bound and not self.moving and n == m
+        self.is_exact = plain and system.kernel("momentum jacobian", 0.0, start0).size > 0
         self.known: list[numpy.ndarray] = []
         self.doubts: list[numpy.ndarray] = []
         self.slacks: list[int] = []
@@ -152,7 +157,10 @@ class Search:
         states = numpy.concatenate([q, 0.7 - numpy.array(numbers)], 1)
         both = numpy.concatenate([states, states])
         both[3:, i] += TURN
+        given = self.system.given
         of = ["acceleration"] if self.system.bound else ["force", "momenta"]
+        of += ["constraint"] * bool(given["holonomic"])
+        of += ["constraint rates"] * bool(given["constraints"])
         found = numpy.concatenate([self.system.kernel(kind, 0.0, both) for kind in of], 1)
         size, change = abs(found[:3]).max(0), abs(found[3:] - found[:3]).max(0)
         return bool((change <= 1e-9 * size + 1e-14 * size.max()).all())
@@ -244,14 +252,37 @@ class Search:
     def _linear(self, z: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
         """Returns the equations in units of their scales, their derivatives in units of reach(),
         and whether all are finite; others are replaced by 0."""
-        n, by = z.shape[1], BESIDE * self._reach(z)[:, :, None] * numpy.eye(z.shape[1])
-        points = numpy.concatenate([z[:, None] + by, z[:, None] - by, z[:, None]], 1)
-        found = self.equations(points.reshape(-1, n)) / self.scale
-        found = found.reshape(len(z), 2 * n + 1, -1)
-        good = numpy.isfinite(found).all((1, 2))
-        found[~good] = 0
-        slopes = (found[:, :n] - found[:, n : 2 * n]) / (2 * BESIDE)
-        return found[:, -1], slopes.transpose(0, 2, 1), good
+        n, reach = z.shape[1], self._reach(z)
+        exact = self._slopes(z)
+        if exact is not None:
+            gap = self.equations(z) / self.scale
+            slopes = exact * reach[:, None] / self.scale[:, None]
+        else:
+            by = BESIDE * reach[:, :, None] * numpy.eye(n)
+            points = numpy.concatenate([z[:, None] + by, z[:, None] - by, z[:, None]], 1)
+            found = self.equations(points.reshape(-1, n)) / self.scale
+            found = found.reshape(len(z), 2 * n + 1, -1)
+            gap = found[:, -1]
+            slopes = (found[:, :n] - found[:, n : 2 * n]).transpose(0, 2, 1) / (2 * BESIDE)
+        good = numpy.isfinite(gap).all(1) & numpy.isfinite(slopes).all((1, 2))
+        return numpy.where(good[:, None], gap, 0), numpy.where(good[:, None, None], slopes, 0), good
+
+    def _slopes(self, z: numpy.ndarray) -> numpy.ndarray | None:
+        """Returns the derivatives of the equations, of shape (states, rows, n), if the kernels have
+        them: differences tell little beside a root where the linear terms vanish."""
+        system, n, states = self.system, self.system.n, self.states(z)
+        if not self.is_exact:
+            return None
+        found = system.kernel("momentum jacobian", 0.0, states)
+        p_q, f_q, f_v = found.reshape(-1, 3, n, n).transpose(1, 0, 2, 3)
+        M = system.kernel("mass", 0.0, states).reshape(-1, n, n)
+        of_p, of_f = (
+            numpy.where(self.by_rate, by_v, by_q) for by_q, by_v in ((p_q, M), (f_q, f_v))
+        )
+        return numpy.where(self.by_rate[:, None], of_p, of_f)
+
+    def _least(self, gap: numpy.ndarray, slopes: numpy.ndarray) -> tuple[numpy.ndarray, ...]:
+        return least(gap, slopes, EXACT_FLAT if self.is_exact else FLAT)
 
     def newton(self, z: numpy.ndarray, rounds: int, deflated: bool) -> numpy.ndarray:
         """Returns where the iterations from the starts z end; NaN where one fails."""
@@ -259,7 +290,7 @@ class Search:
         for _ in range(rounds):
             at = z[left]
             gap, slopes, good = self._linear(at)
-            step, reach = least(gap, slopes)[0], self._reach(at)
+            step, reach = self._least(gap, slopes)[0], self._reach(at)
             if deflated and self.known:
                 apart = self.apart(numpy.array(self.known), at[:, None])
                 step *= deflation(apart, step * reach / self.box)[:, None]
@@ -285,7 +316,7 @@ class Search:
         points on the way to infinity, where forces tend to 0."""
         (gap,), (slopes,), (good,) = self._linear(z[None])
         held = (abs(gap) <= HELD * numpy.fmax(1, abs(slopes).max(1))).all()
-        (step,), (flat,), (directions,) = least(gap[None], slopes[None])
+        (step,), (flat,), (directions,) = self._least(gap[None], slopes[None])
         if not good or not held or not abs(step).max() <= NEAR:
             return None
         return step, int(flat.sum()), directions[-1]
@@ -341,18 +372,17 @@ class Search:
             return False
         return True
 
-    def _take(self, z: numpy.ndarray, first: bool) -> bool:
-        """Adds a root to the list; returns whether the iteration that ended at z found a root. The
-        `first` search from each start counts failures and singular M."""
+    def _take(self, z: numpy.ndarray, first: bool) -> None:
+        """Adds a root to the list. The `first` search counts failures and singular M."""
         root = self._polished(z) if numpy.isfinite(z).all() else z
         found = self._correction(root) if numpy.isfinite(root).all() else None
         if found is None:
             self.failed += first
-            return False
+            return
         step, slack, along = found
         if not self.system.bound and not self._is_definite(root):
             self.singular += first
-            return False
+            return
         if slack and not self._goes_on(root, along):
             # An isolated root is known less accurately where it is flat.
             slack, step = 0, ASIDE * along / 100
@@ -360,25 +390,22 @@ class Search:
             self.known.append(root)
             self.doubts.append(step * self._reach(root))
             self.slacks.append(slack)
-        return True
 
     def run(self, tries: int) -> bool:
-        """Searches from the start and from `tries` other points, from each again while it leads to
-        a root. Returns whether there are more than MOST equilibria."""
-        starts = numpy.array([self.place(k) for k in range(tries + 1)])
-        for again in range(AGAIN):
-            before, ends = len(self.known), self.newton(starts, ROUNDS, again > 0)
-            kept = []
-            for k, end in enumerate(ends):
-                if self._take(end, again == 0):
-                    kept.append(k)
-                if len(self.known) > MOST:
-                    return True
-            if again and len(self.known) == before:
-                break
-            starts = starts[kept]
-            if not len(starts):
-                break
+        """Searches from the start and from `tries` other points or more, again while new roots are
+        found. Returns whether there are more than MOST equilibria."""
+        tried = 0
+        while not tried or (tries and tried <= MORE * len(self.known)):
+            starts = numpy.array([self.place(k) for k in range(tried, tried + tries + 1)])
+            for again in range(AGAIN):
+                before = len(self.known)
+                for end in self.newton(starts, ROUNDS, tried + again > 0):
+                    self._take(end, tried + again == 0)
+                    if len(self.known) > MOST:
+                        return True
+                if tried + again and len(self.known) == before:
+                    break
+            tried += len(starts)
         return False
 
 
@@ -434,10 +461,8 @@ def rest(system: System, tries: int = TRIES, symmetries: Sequence[Symmetry] = ()
     )
 
 
-def of_model(options: argparse.Namespace, compilation: Compilation) -> Rest:
-    """Returns the equilibria of a compiled model, and its motions along symmetries. Raises
-    UsageError, ModelError, BuildError."""
-    system = opened(options, compilation, "pkgen equilibria")
+def of_system(system: System, compilation: Compilation, tries: int) -> Rest:
+    """Returns the equilibria of a system, and its motions along symmetries. Raises UsageError."""
     if not system.is_steady():
         raise UsageError(
             "the equations depend on time: nothing rests, and nothing goes on steadily"
@@ -445,4 +470,11 @@ def of_model(options: argparse.Namespace, compilation: Compilation) -> Rest:
     units = [item.unit for item in compilation.equations.coordinates[: system.m]]
     with numpy.errstate(all="ignore"):
         found = symmetries(Fields(system), units)
-    return rest(system, options.tries or TRIES, found)
+    return rest(system, tries, found)
+
+
+def of_model(options: argparse.Namespace, compilation: Compilation) -> Rest:
+    """Returns the equilibria and steady motions of a compiled model. Raises UsageError, ModelError,
+    BuildError."""
+    system = opened(options, compilation, "pkgen equilibria")
+    return of_system(system, compilation, options.tries or TRIES)

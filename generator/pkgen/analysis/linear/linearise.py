@@ -24,10 +24,9 @@ from ...run.values import Values, assignment
 from ...system.exits import NumericsFailed, UsageError
 from ...system.near import near
 from . import modes
-from .equilibria import TRIES, rest
+from .equilibria import TRIES, of_system
 from .newton import least, shortened
 from .rest import Equilibrium
-from .symmetries import Fields, symmetries
 from .system import EXACT, System, floats, opened
 
 if TYPE_CHECKING:
@@ -244,9 +243,7 @@ def linear(
 
 def _nearest(system: System, compilation: Compilation) -> tuple[NDArray[Any], list[modes.Moving]]:
     """Returns the equilibrium nearest to the start, and the symmetries along which it moves."""
-    units = [item.unit for item in compilation.equations.coordinates[: system.m]]
-    with numpy.errstate(all="ignore"):
-        found = rest(system, TRIES, symmetries(Fields(system), units))
+    found = of_system(system, compilation, TRIES)
     if not found.equilibria:
         raise NumericsFailed(
             f"no equilibrium was found from {TRIES + 1} starts: --at t=0 is of the start itself"

@@ -34,14 +34,16 @@ def halton(k: int, base: int) -> float:
     return x
 
 
-def least(gap: numpy.ndarray, slopes: numpy.ndarray) -> tuple[numpy.ndarray, ...]:
+def least(
+    gap: numpy.ndarray, slopes: numpy.ndarray, rounded: float = FLAT
+) -> tuple[numpy.ndarray, ...]:
     """Returns for each of several systems the correction of least norm; for each singular value,
-    whether it counts as 0; the right singular vectors, as rows."""
+    whether it counts as 0; the right singular vectors, as rows. Along singular values below
+    `rounded` of the largest nothing is corrected."""
     u, s, v = numpy.linalg.svd(slopes, full_matrices=False)
-    flat = s <= FLAT * s[:, :1]
     parts = numpy.einsum("kij,ki->kj", u, gap)
-    parts = numpy.where(flat, 0.0, -parts / numpy.where(s > 0, s, 1))
-    return numpy.einsum("kj,kji->ki", parts, v), flat, v
+    parts = numpy.where(s <= rounded * s[:, :1], 0.0, -parts / numpy.where(s > 0, s, 1))
+    return numpy.einsum("kj,kji->ki", parts, v), s <= FLAT * s[:, :1], v
 
 
 def deflation(apart: numpy.ndarray, step: numpy.ndarray) -> numpy.ndarray:
