@@ -38,7 +38,7 @@ def compared(links, text: str, draw: random.Random, kernels=None) -> None:
         found = np.array(evaluate(e.graph, e.acceleration[:n], symbols))[order]
         wanted = motion.accelerations()
         assert abs(found - wanted).max() < 1e-10 * max(1, abs(wanted).max())
-        assert n == 1 or abs(wanted).max() > 1e-3
+        assert n <= 2 or abs(wanted).max() > 1e-3
         (energy,) = evaluate(e.graph, [e.energy], symbols)
         assert energy == pytest.approx(motion.energy(), rel=1e-12, abs=1e-12)
 

@@ -257,3 +257,16 @@ def test_escape_over_a_barrier(tmp_path: Path) -> None:
     r = load(tmp_path, WELL).run(until, method="baoab", step=0.02, every=2.0, record=["x"])
     side = np.sign(r["x"][np.abs(r["x"]) > 0.5])
     assert (np.diff(side) != 0).sum() / until == pytest.approx(rate, rel=0.05)
+
+
+@pytest.mark.parametrize("method", ["baoab", "stochastic_verlet", "heun"])
+def test_an_integral_along_the_motion_has_the_order_of_it(tmp_path: Path, method: str) -> None:
+    """An integral is a first-order variable. Without noise the motion has a closed form."""
+    text = "model spring\ncoord x\nkinetic x'^2/2\npotential 2*x^2\nstart x = 0.3\n"
+    (tmp_path / "spring.lag").write_text(text + "observe right while x > 0\n")
+    model = pkgen.load(tmp_path / "spring.lag")
+    off = []
+    for step in (0.02, 0.01):
+        run = model.run(2, method=method, step=step, every=2)
+        off.append([run["x"][-1] - 0.3 * np.cos(4), run["right"][-1] - np.pi / 4])
+    assert [a / b for a, b in zip(*off, strict=True)] == pytest.approx([4, 4], rel=0.3)

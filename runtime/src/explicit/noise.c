@@ -33,10 +33,10 @@ static size_t lay_out(struct work *w, const struct pk_method *method, const stru
                       size_t n_q, size_t n, pk_real *base)
 {
     const size_t m = w->noises = of->noise.n, nn = method->init ? n * n : 0, y = n_q + n;
-    const struct pk_slot slots[] = {{&w->S, m},     {&w->G, m * n}, {&w->z, m > n ? m : n},
-                                    {&w->b, 2 * n}, {&w->k, 2 * y}, {&w->B, nn},
-                                    {&w->E, nn},    {&w->C, nn},    {&w->Q, nn},
-                                    {&w->pivot, n}, {&w->h, 1},     {&w->room, 3 * nn}};
+    const struct pk_slot slots[] = {{&w->S, m},     {&w->G, m * n},     {&w->z, m > n ? m : n},
+                                    {&w->b, 2 * n}, {&w->k, 2 * y + n}, {&w->B, nn},
+                                    {&w->E, nn},    {&w->C, nn},        {&w->Q, nn},
+                                    {&w->pivot, n}, {&w->h, 1},         {&w->room, 3 * nn}};
     w->n = n;
     return PK_LAY_OUT(base, slots);
 }
@@ -135,7 +135,7 @@ static enum pk_status at_start(struct pk_integrator *it, const struct work *w, c
 
 static enum pk_status stochastic_verlet_step(struct pk_integrator *it, pk_real limit)
 {
-    const size_t n = it->n;
+    const size_t n_q = it->n_q, n = it->n;
     const struct work w = work_of(it);
     const pk_real h = it->own->h, *q = it->q, *v = it->v, *g;
     pk_real *to = it->own->next, *low = pk_next(it, PK_LOW_Q), *g1 = pk_next(it, PK_A),
@@ -143,7 +143,7 @@ static enum pk_status stochastic_verlet_step(struct pk_integrator *it, pk_real l
     (void)limit;
     PK_TRY(at_start(it, &w, &g));
     normal(it, w.noises, w.z);
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n_q; i++)
         to[i] = q[i] + h / 2 * v[i];
     PK_TRY(increment(it, &w, it->t + h / 2, to, v, w.b));
     if (*w.h < h || *w.h > h) {
@@ -155,13 +155,13 @@ static enum pk_status stochastic_verlet_step(struct pk_integrator *it, pk_real l
     for (size_t i = 0; i < n; i++)
         d[i] = h * v[i] + h * h / 2 * g[i] + h / 2 * w.b[i];
     pk_lu_solve(w.E, w.pivot, n, d);
-    pk_copy(low, pk_state(it, PK_LOW_Q), 2 * n);
-    for (size_t i = 0; i < n; i++)
+    pk_copy(low, pk_state(it, PK_LOW_Q), n_q + n);
+    for (size_t i = 0; i < n_q; i++)
         to[i] = pk_sum(q[i], d[i], &low[i]);
     PK_TRY(at_rest(it, &w, it->own->next_t, to, g1));
     pk_add_product(w.b, w.B, d, n);
     for (size_t i = 0; i < n; i++)
-        to[n + i] = pk_sum(v[i], h / 2 * (g[i] + g1[i]) + w.b[i], &low[n + i]);
+        to[n_q + i] = pk_sum(v[i], h / 2 * (g[i] + g1[i]) + w.b[i], &low[n_q + i]);
     it->own->flags |= PK_HAVE_A;
     return PK_DONE;
 }
@@ -233,7 +233,7 @@ static enum pk_status rub(struct pk_integrator *it, const struct work *w, pk_rea
 {
     const size_t n = w->n, nn = n * n;
     const pk_real h = it->own->h;
-    pk_real *v = to + n, *low = pk_next(it, PK_LOW_X), *Q = w->room;
+    pk_real *v = to + it->n_q, *low = pk_next(it, PK_LOW_X), *Q = w->room;
     PK_TRY(noise_at(it, w, t, to, v));
     pk_zero(Q, nn);
     for (size_t k = 0; k < w->noises; k++)
@@ -255,17 +255,17 @@ static enum pk_status rub(struct pk_integrator *it, const struct work *w, pk_rea
 
 static enum pk_status baoab_step(struct pk_integrator *it, pk_real limit)
 {
-    const size_t n = it->n;
+    const size_t n_q = it->n_q, n = it->n;
     const struct work w = work_of(it);
     const pk_real h = it->own->h, *g;
     pk_real *to = it->own->next, *g1 = pk_next(it, PK_A);
     (void)limit;
     PK_TRY(at_start(it, &w, &g));
-    pk_kick_drift(n, n, h / 2, g, h / 2, it->own->state, to);
+    pk_kick_drift(n_q, n, h / 2, g, h / 2, it->own->state, to);
     PK_TRY(rub(it, &w, it->t + h / 2, to));
-    pk_kick_drift(n, n, 0, g, h / 2, to, to);
+    pk_kick_drift(n_q, n, 0, g, h / 2, to, to);
     PK_TRY(at_rest(it, &w, it->own->next_t, to, g1));
-    pk_kick(n, n, h / 2, g1, to);
+    pk_kick(n_q, n, h / 2, g1, to);
     it->own->flags |= PK_HAVE_A;
     return PK_DONE;
 }
