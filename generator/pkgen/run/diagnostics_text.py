@@ -249,7 +249,8 @@ def _lrl(found: dict, time: str) -> list[str]:
 def _modes(found: dict, time: str) -> list[str]:
     squares = found["squares"]
     leaving = [math.sqrt(-x) for x in squares if x < 0]  # in ascending order
-    swings = [f for f in found["frequencies"] if f is not None]
+    growths = found.get("growths", ())  # of an equilibrium whose modes have no energies
+    swings = [f for f in found["frequencies"] if f or (f is not None and not growths)]
     said = []
     if leaving:
         rates = _few([f"{rate:.10g}" for rate in leaving], _per(time))
@@ -260,6 +261,10 @@ def _modes(found: dict, time: str) -> list[str]:
         )
     if swings:
         said.append(f"modes: {_few([f'{f:.10g}' for f in swings], _in(time, 'rad/'))}")
+    if decays := [f"{-x:.10g}" for x in growths if x < 0]:
+        said.append(f"modes: {_few(decays, _per(time))} decay")
+    if growths and not said:
+        said.append("modes: neutral")
     if not found["rows"]:
         return said
     for name, row in (("start", found["rows"][0]), ("end", found["rows"][-1])):

@@ -43,6 +43,7 @@ EXACT_FLAT = 1e-15  # as FLAT, where derivatives are exact
 MORE = 8  # starts for each equilibrium found, or more
 SMALL = 1e-12  # the iteration ends when its correction is smaller, in units of reach()
 HELD, NEAR = 1e-10, 1e-4  # of a root: the equations hold, and the last correction is small
+UNDERFLOWN = 1e-30  # derivatives in units of scales
 ASIDE = 1e-2  # length of a step along a continuum, in units of reach()
 WIDTHS = (32, 1, 4, 1)  # of the region of start k, in boxes, by k % 4
 # The motion whose extent is the box: its steps, with those before the step has found its length,
@@ -316,6 +317,9 @@ class Search:
         points on the way to infinity, where forces tend to 0."""
         (gap,), (slopes,), (good,) = self._linear(z[None])
         held = (abs(gap) <= HELD * numpy.fmax(1, abs(slopes).max(1))).all()
+        # Far beyond the starts forces may be 0 because they underflow.
+        far = (abs(z - self.middle) > 2 * max(WIDTHS) * self.box).any()
+        good &= not far or abs(slopes).max(initial=0.0) > UNDERFLOWN
         (step,), (flat,), (directions,) = self._least(gap[None], slopes[None])
         if not good or not held or not abs(step).max() <= NEAR:
             return None

@@ -96,10 +96,13 @@ class Normal:
         return M, squares, shapes
 
     def _is_kinked(self, q: numpy.ndarray) -> bool:
-        """Whether derivatives of the force jump at q, along the line to the start."""
-        by = PART * (self.q0 - q)
-        a, b = self._at(numpy.array([q + by, q - by]), "momentum jacobian")
-        return bool(abs(a - b).max() > KINK * max(abs(a).max(), abs(b).max()))
+        """Whether the force or its derivatives jump at q, along the line to the start."""
+        by = PART * (self.q0 - q) * numpy.array([[1.0], [-1.0], [0.5], [-0.5]])
+        force = self._at(q + by, "force")
+        wide, close = abs(force[0] - force[1]).max(), abs(force[2] - force[3]).max()
+        a, b = self._at(q + by[:2], "momentum jacobian")
+        jump = abs(a - b).max() > KINK * max(abs(a).max(), abs(b).max())
+        return bool(jump or close > 0.75 * wide > 0)
 
     def _rank(self, q: numpy.ndarray) -> int:
         size, far = linalg.norm(self.q0), linalg.norm(q - self.q0)
@@ -183,12 +186,11 @@ def _steady(system: System, run: Runnable) -> dict[str, Any]:
     if not found.equilibria:
         raise Refused("no equilibrium was found about which it could oscillate")
     at = min(found.equilibria, key=rank)
-    lambdas = [m.growth**2 - m.frequency**2 for m in at.modes]
     return {
         "equilibrium": list(at.q[: system.m]),
         "energy": at.energy,
-        "squares": [-x for x in lambdas],
-        "frequencies": [m.frequency or None for m in at.modes],
+        "squares": [m.frequency**2 or -(max(m.growth, 0.0) ** 2) for m in at.modes],
+        "frequencies": [None if m.growth > 0 else m.frequency for m in at.modes],
         "growths": [m.growth for m in at.modes],
         "shapes": [{"shape": list(m.re)} for m in at.modes],
         "modes": len(at.modes),

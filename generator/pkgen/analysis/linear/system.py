@@ -46,7 +46,7 @@ class System:
         no more seconds."""
         self.program, self.settings, self.left = program, settings, left
         self.run = load(program).run(settings, idle=True, bare=1)
-        if self.run.code:
+        if self.run.messages.strip():
             raise UsageError(self.run.messages.strip().splitlines()[-1])
         given = self.run.given()
         self.given = given
