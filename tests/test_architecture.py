@@ -41,7 +41,7 @@ run
 scenes
 plot
 describe
-analysis/chart
+analysis/chart analysis/linear
 analysis/choose analysis/stability explain
 api
 __init__ cli
