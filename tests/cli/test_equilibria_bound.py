@@ -12,11 +12,11 @@ from stability_asker import asker, mapped
 
 from conftest import case, seeds
 from pkgen.analysis.chart.chart import methods
+from pkgen.analysis.linear.rest import Rest
 from pkgen.analysis.stability import measure
 from pkgen.analysis.stability.ask import Asker
 from pkgen.analysis.stability.method import StepMap
 from pkgen.analysis.stability.predict import limit
-from pkgen.analysis.linear.rest import Rest
 
 ANGLE = case("equilibria_bound_angle")
 ROD = case("equilibria_bound_rod")

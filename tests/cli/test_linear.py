@@ -6,6 +6,7 @@ import argparse
 import json
 import math
 import random
+from functools import partial
 from pathlib import Path
 
 import numpy
@@ -78,12 +79,12 @@ def test_a_disk_goes_round_steadily() -> None:
 def test_a_free_body_turns_about_three_axes() -> None:
     """Euler: unstable about the middle axis, by the rates of the closed form."""
     model = load("bodies/free_body.lag")
-    I = [model.params[f"I{k}"] for k in (1, 2, 3)]
+    inertia = [model.params[f"I{k}"] for k in (1, 2, 3)]
     for at in model.equilibria():
         w = numpy.array([at["state"][f"omega(R).{x}"] for x in "xyz"])
         k = int(abs(w).argmax())
-        a, b = (I[i] for i in range(3) if i != k)
-        square = (I[k] - a) * (I[k] - b) / (a * b) * w[k] ** 2
+        a, b = (inertia[i] for i in range(3) if i != k)
+        square = (inertia[k] - a) * (inertia[k] - b) / (a * b) * w[k] ** 2
         assert at["stable"] == (square > 0)
         rates = at["frequencies"] or [max(m["growth"] for m in at["modes"])]
         assert rates == pytest.approx([math.sqrt(abs(square))], rel=1e-9)
@@ -117,6 +118,8 @@ def falls(text: str) -> list:
     with tempfile.TemporaryDirectory() as folder:
         return package.load(written(Path(folder), text)).equilibria()
 
+
+KINDS = ("acceleration", "outputs")
 
 # -- Jacobians -----------------------------------------------------------------------------------
 
@@ -155,9 +158,9 @@ def drawn(chance: random.Random) -> tuple[str, list[str], list[str]]:
     return "\n".join(lines) + "\n", p, u
 
 
-def slope(f, h: float = 2e-3) -> numpy.ndarray:
-    """The derivative of f at 0 by differences of order 6."""
-    d = [f(k * h) - f(-k * h) for k in (1, 2, 3)]
+def slope(f, x: numpy.ndarray, by: numpy.ndarray, h: float = 2e-3) -> numpy.ndarray:
+    """The derivative of f at x along `by`, by differences of order 6."""
+    d = [f(x + k * h * by) - f(x - k * h * by) for k in (1, 2, 3)]
     return (45 * d[0] - 9 * d[1] + d[2]) / (60 * h)
 
 
@@ -186,31 +189,36 @@ def test_jacobians_are_slopes(seed: int, tmp_path: Path) -> None:
     def close(a: numpy.ndarray, b: numpy.ndarray) -> None:
         assert a == pytest.approx(b, rel=1e-8, abs=1e-8)
 
+    def along(kind: str) -> list:
+        return [lambda x, k=k: at(kind, **{k: x}) for k in "quv"]
+
     M, e = at("mass").reshape(n, n), numpy.eye(max(n, len(u)))
+    _, a_u, _ = along("acceleration")
+    out_of_q, out_of_u, out_of_v = along("outputs")
     r_u, out_u = at("r_u").reshape(n, len(u)), at("out_u").reshape(2, len(u))
     for j in range(len(u)):
         by = e[j, : len(u)]
-        close(
-            numpy.linalg.solve(M, r_u[:, j]), slope(lambda h: at("acceleration", u=given + h * by))
-        )
-        close(out_u[:, j], slope(lambda h: at("outputs", u=given + h * by)))
+        close(numpy.linalg.solve(M, r_u[:, j]), slope(a_u, given, by))
+        close(out_u[:, j], slope(out_of_u, given, by))
     out_x = at("out_x").reshape(2, 2, n)
     for j in range(n):
-        by = e[j, :n]
-        close(out_x[:, 1, j], slope(lambda h: at("outputs", v=v + h * by)))
+        close(out_x[:, 1, j], slope(out_of_v, v, e[j, :n]))
         if j < m:
-            close(out_x[:, 0, j], slope(lambda h: at("outputs", q=q + h * by)))
+            close(out_x[:, 0, j], slope(out_of_q, q, e[j, :n]))
     r_p, out_p = at("r_p").reshape(n, len(p)), at("out_p").reshape(2, len(p))
-    for j, name in enumerate(p):
 
-        def changed(kind: str, h: float) -> numpy.ndarray:
-            options.set = [f"{name}={model.params[name] + h!r}"]
-            other = opened(options, made, "test")
-            other.inputs = given
-            return other.kernel(kind, 0.0, numpy.concatenate([q, v]))[0]
+    def changed(kind: str, values: numpy.ndarray) -> numpy.ndarray:
+        options.set = [f"{name}={x!r}" for name, x in zip(p, values.tolist(), strict=True)]
+        other = opened(options, made, "test")
+        other.inputs = given
+        return other.kernel(kind, 0.0, numpy.concatenate([q, v]))[0]
 
-        close(numpy.linalg.solve(M, r_p[:, j]), slope(lambda h: changed("acceleration", h)))
-        close(out_p[:, j], slope(lambda h: changed("outputs", h)))
+    values = numpy.array([model.params[name] for name in p])
+    for j in range(len(p)):
+        by = numpy.eye(len(p))[j]
+        of_a, of_out = (slope(partial(changed, kind), values, by) for kind in KINDS)
+        close(numpy.linalg.solve(M, r_p[:, j]), of_a)
+        close(out_p[:, j], of_out)
 
 
 # -- linear models -------------------------------------------------------------------------------
@@ -221,7 +229,7 @@ def test_a_linear_model_is_the_slope_of_the_motion(seed: int, tmp_path: Path) ->
     text, _, _ = drawn(random.Random(seed))
     model = package.load(written(tmp_path, text))
     found = model.linearise(at=0.0)
-    A, B, C, D = found
+    A, B, _, _ = found
     y = numpy.array([found.state[x] for x in (*model.coordinates, *model.rates)])
     names = [*model.coordinates, *model.rates]
     m, of = len(model.coordinates), [names.index(x) for x in found.states]
@@ -230,16 +238,14 @@ def test_a_linear_model_is_the_slope_of_the_motion(seed: int, tmp_path: Path) ->
     if len(free) < len(names):
         return  # with a rotation: of its freedoms, see the top
 
-    def rate(y: numpy.ndarray, u: numpy.ndarray) -> numpy.ndarray:
-        return numpy.array([*y[m : 2 * m], *model.acceleration(y[:m], y[m:], u=u)])
+    def rate(z: numpy.ndarray) -> numpy.ndarray:
+        y, u = numpy.split(z, [len(names)])
+        return numpy.array([*y[m : 2 * m], *model.acceleration(y[:m], y[m:], u=u)])[of]
 
-    u = numpy.zeros(B.shape[1])
-    for j, k in enumerate(of):
-        by = numpy.eye(len(names))[k]
-        assert A[:, j] == pytest.approx(slope(lambda h: rate(y + h * by, u))[of], abs=1e-8)
-    for j in range(len(u)):
-        by = numpy.eye(len(u))[j]
-        assert B[:, j] == pytest.approx(slope(lambda h: rate(y, u + h * by))[of], abs=1e-8)
+    z = numpy.array([*y, *numpy.zeros(B.shape[1])])
+    whole = numpy.array([slope(rate, z, by) for by in numpy.eye(len(z))]).T
+    assert pytest.approx(whole[:, of], abs=1e-8) == A
+    assert pytest.approx(whole[:, len(names) :], abs=1e-8) == B
 
 
 def test_a_rod_is_linear_as_an_angle() -> None:

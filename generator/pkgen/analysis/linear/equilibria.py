@@ -212,6 +212,7 @@ class Search:
         points = numpy.array([self.place(2 * k + 1) for k in range(1, 33)])
         sizes = abs(self.equations(points))
         sizes = sizes[numpy.isfinite(sizes).all(1)].max(0, initial=0.0)
+        self.is_forced = bool(sizes.max(initial=0.0) > 0)
         n, holonomic = self.system.n, self.system.given["holonomic"]
         kinds = []
         rows = n + holonomic + self.system.given["constraints"]
@@ -317,9 +318,8 @@ class Search:
         points on the way to infinity, where forces tend to 0."""
         (gap,), (slopes,), (good,) = self._linear(z[None])
         held = (abs(gap) <= HELD * numpy.fmax(1, abs(slopes).max(1))).all()
-        # Far beyond the starts forces may be 0 because they underflow.
-        far = (abs(z - self.middle) > 2 * max(WIDTHS) * self.box).any()
-        good &= not far or abs(slopes).max(initial=0.0) > UNDERFLOWN
+        # Far away forces may be 0 because they underflow.
+        good &= not self.is_forced or abs(slopes).max(initial=0.0) > UNDERFLOWN
         (step,), (flat,), (directions,) = self._least(gap[None], slopes[None])
         if not good or not held or not abs(step).max() <= NEAR:
             return None
