@@ -23,8 +23,8 @@ from ...record import record
 from .newton import halton, primes
 from .system import System
 
-BESIDE = 1e-5  # step of central differences, relative to the size of a state
-SMALL = 1e-5  # a singular value below this part of the largest counts as 0
+BESIDE = 2e-5  # step of central differences, relative to the size of a state
+SMALL = 2e-5  # a singular value below this part of the largest counts as 0
 MOST = 24  # coordinates beyond which rotations of planes are not tried
 SAMPLES = 6  # states at which fields are compared, beside one for each number of a state
 AXES = numpy.eye(3)
@@ -214,12 +214,12 @@ def _reduced(basis: numpy.ndarray, units: numpy.ndarray) -> list[tuple[int, nump
     for column in range(rows.shape[1]):
         k = len(pivots)
         lead = k + int(abs(rows[k:, column]).argmax()) if k < len(rows) else k
-        if k == len(rows) or abs(rows[lead, column]) < 1e-5:
+        if k == len(rows) or abs(rows[lead, column]) < 2e-5:
             continue
         rows[[k, lead]] = rows[[lead, k]]
         rows[k] /= rows[k, column]
         others = numpy.arange(len(rows)) != k
         rows[others] -= rows[others, column][:, None] * rows[k]
         pivots.append(column)
-    rows[abs(rows) < 1e-5] = 0
+    rows[abs(rows) < 2e-5] = 0
     return [(at, row * units[at] / units) for at, row in zip(pivots, rows, strict=True)]

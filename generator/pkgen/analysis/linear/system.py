@@ -195,7 +195,7 @@ def opened(options: argparse.Namespace, compilation: Compilation, command: str) 
     refuse_statements(compilation.declared, "pkgen stability", ("samples", "noises"), command)
     if compilation.looped:
         raise UsageError(f"{command} is of single coordinates, and the families are kept as loops")
-    given = argparse.Namespace(**{**vars(options), "until": options.until or "1.0"})
+    given = argparse.Namespace(**{**vars(options), "until": "1"})
     chosen = scene.of(given, compilation.declared)
     whole = run_settings.settings(given, compilation, chosen=chosen)
     model = compilation.model
