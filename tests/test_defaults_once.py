@@ -39,6 +39,6 @@ def test_a_default_of_a_run_is_in_one_module_and_an_option_is_parsed_in_one() ->
 # Numbers that are equal to a default by chance.
 UNRELATED = {
     ("analysis/choose/reference.py", defaults.RTOL),
-    ("analysis/stability/system.py", defaults.RTOL),
+    ("analysis/linear/system.py", defaults.RTOL),
     ("analysis/stability/orbits.py", defaults.GAUSS_RTOL),
 }

@@ -364,7 +364,7 @@ class Search:
                 return True
             if given["constraints"] > given["holonomic"]:
                 a, b = self._spectrum(one), self._spectrum(z)
-                if (abs(a - b) <= 1e-5 * numpy.fmax(a, b)).all():
+                if (abs(a - b) <= 2e-5 * numpy.fmax(a, b)).all():
                     return True
         return False
 
