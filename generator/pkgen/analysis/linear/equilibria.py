@@ -43,7 +43,8 @@ EXACT_FLAT = 1e-15  # as FLAT, where derivatives are exact
 MORE = 8  # starts for each equilibrium found, or more
 SMALL = 1e-12  # the iteration ends when its correction is smaller, in units of reach()
 HELD, NEAR = 2e-10, 1e-4  # of a root: the equations hold, and the last correction is small
-UNDERFLOWN = 1e-30  # derivatives in units of scales
+FAR, UNDERFLOWN = 3, 1e-290  # in boxes; derivatives so small there are of no root
+STILL = 1e-9  # smaller corrections are round-off
 ASIDE = 1e-2  # length of a step along a continuum, in units of reach()
 WIDTHS = (32, 1, 4, 1)  # of the region of start k, in boxes, by k % 4
 # The motion whose extent is the box: its steps, with those before the step has found its length,
@@ -318,11 +319,16 @@ class Search:
         points on the way to infinity, where forces tend to 0."""
         (gap,), (slopes,), (good,) = self._linear(z[None])
         held = (abs(gap) <= HELD * numpy.fmax(1, abs(slopes).max(1))).all()
-        # Far away forces may be 0 because they underflow.
-        good &= not self.is_forced or abs(slopes).max(initial=0.0) > UNDERFLOWN
         (step,), (flat,), (directions,) = self._least(gap[None], slopes[None])
-        if not good or not held or not abs(step).max() <= NEAR:
+        far = self.is_forced and (abs(z - self.middle) > FAR * self.box).any()
+        good &= not far or abs(slopes).max(initial=0.0) > UNDERFLOWN
+        size = abs(step).max()
+        if not good or not held or not size <= NEAR:
             return None
+        if size > STILL:  # corrections towards a root shrink, those on the way to infinity do not
+            (gap,), (slopes,), _ = self._linear((z + step * self._reach(z))[None])
+            if not abs(self._least(gap[None], slopes[None])[0]).max() < 0.97 * size:
+                return None
         return step, int(flat.sum()), directions[-1]
 
     def _goes_on(self, z: numpy.ndarray, along: numpy.ndarray) -> bool:
