@@ -20,7 +20,7 @@ class Draft:
     kinetic: list[str] = field(default_factory=list)
     potential: list[str] = field(default_factory=list)
     forces: dict[str, list[str]] = field(default_factory=dict)
-    holds: dict[str, str] = field(default_factory=dict)  # what the reference has for a text
+    holds: dict[str, str] = field(default_factory=dict)  # the name in the reference, by text
     plain: bool = False  # no bounces, no static friction
 
     def number(self, low: float, high: float) -> float:

@@ -46,7 +46,7 @@ from .result import Result
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from ..analysis.linear.linearise import Linear
+    from ..analysis.linear.state_space import Linear
     from .symbols import Symbolic, Typeset
 
 

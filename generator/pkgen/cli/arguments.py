@@ -21,15 +21,20 @@ def rows(parser: argparse.ArgumentParser, table: str) -> None:
         parser.add_argument(flag, help=help_, **how)
 
 
-def of_a_motion(parser: argparse.ArgumentParser, until: str = f"{UNTIL:g}") -> None:
-    """Adds the options scene, parameters, start and duration. `until` is the default duration."""
-    text = f"""
+def of_a_state(parser: argparse.ArgumentParser) -> None:
+    """Adds the options scene, parameters and start."""
+    text = """
         --scene  NAME      one scene of the model; options override it
         --set    p=VALUE+  a parameter or input
         --start  a=VALUE+  a coordinate or a rate
-        --until  T         duration (default: {until})
     """
     rows(parser, text)
+
+
+def of_a_motion(parser: argparse.ArgumentParser, until: str = f"{UNTIL:g}") -> None:
+    """Adds the options of a state and of the duration. `until` is the default duration."""
+    of_a_state(parser)
+    rows(parser, f"--until  T  duration (default: {until})")
 
 
 def own_methods(parser: argparse.ArgumentParser) -> None:

@@ -20,7 +20,7 @@ pkgen equilibria models/particles/restricted_three_body.lag --json
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     shared.as_of_a_run(parser)
-    shared.of_a_motion(parser)
+    shared.of_a_state(parser)
     shared.rows(parser, "--tries  int:N  starts of the search (default: 100)")
 
 

@@ -21,7 +21,7 @@ pkgen linearise models/double_pendulum.lag --at t=2 --matlab
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     shared.as_of_a_run(parser)
-    shared.of_a_motion(parser)
+    shared.of_a_state(parser)
     add = parser.add_argument
     help_ = "equilibrium (the nearest to the start), trim, or a time of the motion: t=2"
     add("--at", dest="at_state", metavar="STATE", default="equilibrium", help=help_)

@@ -151,9 +151,7 @@ def _first_order(
 ) -> list[Mode] | None:
     n, m, free = system.n, system.m, ~system.idle
     among = numpy.array([*numpy.flatnonzero(free), *range(n, n + m)])
-    A = system.linearised(0.0, state)
-    order = [*range(m), *range(2 * m, m + n), *range(m, 2 * m)]
-    A -= sum(speed * s.G[numpy.ix_(order, order)] for speed, s in moving)  # in the moving frame
+    A = in_frame(system, system.linearised(0.0, state), moving)
     A = A[numpy.ix_(among, among)]
     if not numpy.isfinite(A).all():
         raise linalg.LinAlgError
@@ -163,8 +161,9 @@ def _first_order(
         if not T.size:
             return None
     if moving:
-        Y = numpy.concatenate([state[:m], system.v(state)])
-        along = T.T @ numpy.array([s.at(Y)[order][among] for _, s in moving]).T
+        g = numpy.zeros((len(moving), 2 * n))
+        g[:, system.used] = [s.at(state[system.used]) for _, s in moving]
+        along = T.T @ g[:, system.unknowns_first[among]].T
         left_out = null_space(along.T)
         T, A = T @ left_out, left_out.T @ A @ left_out
     values, shapes = linalg.eig(A)
@@ -179,6 +178,13 @@ def _first_order(
             shape[free] = (T @ shapes[:, k])[: free.sum()]
             found.append(_mode(values[k], shape, free))
     return found
+
+
+def in_frame(system: System, A: numpy.ndarray, moving: Sequence[Moving]) -> numpy.ndarray:
+    """Returns the matrix A of z' = A z in the frame that moves along symmetries."""
+    place = {number: k for k, number in enumerate(system.used)}
+    order = [place[number] for number in system.unknowns_first]
+    return A - sum(speed * s.G[numpy.ix_(order, order)] for speed, s in moving)
 
 
 def kept(system: System, state: numpy.ndarray) -> numpy.ndarray:

@@ -23,12 +23,9 @@ from numpy import linalg
 from ...run.simulate import Outcome, Runnable
 from ...system.exits import USAGE
 from .equilibria import TRIES, Search, of_system
-from .rest import Equilibrium
 from .system import System
 
-FEW = (
-    8  # coordinates up to which equilibria are sought from TRIES starts, else from the start alone
-)
+FEW = 8  # with more coordinates equilibria are sought from the start alone
 PART = 1e-6  # step of differences, as a fraction of the distance from the equilibrium to the start
 SAME = 1e-12  # differences below this part of the largest are round-off
 KINK = 1e-3  # a relative jump of derivatives
@@ -178,14 +175,9 @@ class Normal:
 def _steady(system: System, run: Runnable) -> dict[str, Any]:
     """Returns the modes of a model whose modes have no energies."""
     found = of_system(system, run.compilation, TRIES)
-    start = numpy.where(numpy.isnan(system.start), 0.0, system.start)
-
-    def rank(at: Equilibrium) -> tuple[bool, float]:
-        return not at.stable, float(linalg.norm(numpy.array([*at.q, *at.v]) - start))
-
     if not found.equilibria:
         raise Refused("no equilibrium was found about which it could oscillate")
-    at = min(found.equilibria, key=rank)
+    at = found.nearest(system.q(system.begun), system.v(system.begun), stable=True)
     return {
         "equilibrium": list(at.q[: system.m]),
         "energy": at.energy,

@@ -10,6 +10,7 @@ from ...compiler import Compilation
 from ...run import named
 from .rest import Equilibrium, Mode, Rest
 
+FIXED = ("state", "stable", "verdict", "energy", "frequencies", "continuum", "modes")
 AXES = "xyz"
 # The word for a motion along a symmetry that no coordinate names: (of several, of a single one).
 TURNS = {"plane": ("turn", "rotation"), "space": ("turn", "precession"), "body": ("spin", "spin")}
@@ -49,10 +50,6 @@ def _steady(compilation: Compilation, rest: Rest, at: Equilibrium) -> dict[str, 
     return found
 
 
-def _frequencies(compilation: Compilation, at: Equilibrium) -> list[float]:
-    return [m.frequency for m in at.modes if m.frequency > 0]
-
-
 def _small(compilation: Compilation, at: Equilibrium, steady: dict[str, float]) -> dict[str, float]:
     """Returns the frequencies of modes that have a name: that of the coordinate that moves most."""
     words, found = _words(compilation), {}
@@ -80,19 +77,17 @@ def record(compilation: Compilation, rest: Rest) -> dict[str, object]:
     found = []
     for at in rest.equilibria:
         steady = _steady(compilation, rest, at)
-        found.append(
-            {
-                "state": dict(zip((*q, *v), (*at.q[: len(q)], *at.v), strict=True)),
-                "stable": at.stable,
-                "verdict": at.verdict,
-                "energy": at.energy,
-                "frequencies": _frequencies(compilation, at),
-                **steady,
-                **_small(compilation, at, steady),
-                "continuum": at.slack,
-                "modes": [_mode(mode, unknowns) for mode in at.modes],
-            }
-        )
+        fixed = {
+            "state": dict(zip((*q, *v), (*at.q[: len(q)], *at.v), strict=True)),
+            "stable": at.stable,
+            "verdict": at.verdict,
+            "energy": at.energy,
+            "frequencies": [m.frequency for m in at.modes if m.frequency > 0],
+            "continuum": at.slack,
+            "modes": [_mode(mode, unknowns) for mode in at.modes],
+        }
+        words = {**steady, **_small(compilation, at, steady)}
+        found.append(fixed | {k: x for k, x in words.items() if k not in FIXED})
     region = {
         name: {"from": m - b, "to": m + b}
         for name, m, b in zip(unknowns, rest.middle, rest.box, strict=False)
@@ -113,16 +108,14 @@ def text(found: dict[str, object]) -> str:
         return "no equilibrium was found"
     lines = []
     for k, at in enumerate(listed, 1):
-        known = {"state", "stable", "verdict", "energy", "frequencies", "continuum", "modes"}
         lines.append(f"{k}: {at['verdict']}, energy {at['energy']:.10g}")
         lines.append("   " + ", ".join(f"{name} = {x:.10g}" for name, x in at["state"].items()))
-        steady = [f"{name} {x:.10g}" for name, x in at.items() if name not in known]
+        steady = [f"{name} {x:.10g}" for name, x in at.items() if name not in FIXED]
         lines += ["   " + ", ".join(steady)] if steady else []
         for mode in at["modes"]:
             growth, frequency = mode["growth"], mode["frequency"]
             said = [f"frequency {frequency:.10g}"] if frequency else []
-            said += (
-                [f"{'grows' if growth > 0 else 'decays'} at {abs(growth):.10g}"] if growth else []
-            )
+            way = "grows" if growth > 0 else "decays"
+            said += [f"{way} at {abs(growth):.10g}"] if growth else []
             lines.append("   mode: " + (", ".join(said) or "neutral"))
     return "\n".join(lines)

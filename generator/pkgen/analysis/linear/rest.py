@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from ...record import record
 from .symmetries import Symmetry
@@ -79,7 +80,23 @@ class Rest:
     middle: tuple[float, ...] = ()  # the search begins within middle +- box (docs/maps.md)
     box: tuple[float, ...] = ()
     cyclic: tuple[int, ...] = ()
+    places: int = 0  # number of coordinates; first-order variables follow
     moving: tuple[Symmetry, ...] = ()  # symmetries besides shifts of cyclic coordinates
+
+    def nearest(self, q: Sequence[float], v: Sequence[float], stable: bool = False) -> Equilibrium:
+        """Returns the equilibrium nearest to a state, in boxes; with `stable`, unstable ones count
+        only if there are no others. Cyclic coordinates count by their rates."""
+
+        def moved(at: Equilibrium, i: int) -> float:
+            if i in self.cyclic or i >= self.places:
+                return at.v[i] - v[i]
+            return self.beside(at.q[i], q[i], i) - q[i]
+
+        def distance(at: Equilibrium) -> tuple[bool, float]:
+            far = (abs(moved(at, i)) / size for i, size in enumerate(self.box))
+            return stable and not at.stable, max(far, default=0.0)
+
+        return min(self.equilibria, key=distance)
 
     def beside(self, q: float, place: float, i: int) -> float:
         """Returns the value q of coordinate i. If the coordinate is an angle, a multiple of 2 pi is

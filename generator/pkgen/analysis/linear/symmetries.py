@@ -87,34 +87,24 @@ def _candidates(system: System, units: Sequence[str]) -> list[Symmetry]:
 
 
 class Fields:
-    """The motion Y' = F(Y) and the constraints of a system at states Y = (q, v), along which all
+    """The motion Y' = F(Y) of a system at states Y = (q, v) without unused entries, along which all
     arrays have a first axis."""
 
     def __init__(self, system: System):
         self.system = system
-        self.start = self.dense(numpy.where(numpy.isnan(system.start), 0.0, system.start))
-
-    def dense(self, states: numpy.ndarray) -> numpy.ndarray:
-        m = self.system.m
-        return numpy.concatenate([states[..., :m], self.system.v(states)], -1)
+        self.start = system.begun[system.used]
 
     def states(self, Y: numpy.ndarray) -> numpy.ndarray:
-        m, n = self.system.m, self.system.n
-        unused = numpy.zeros((*Y.shape[:-1], n - m))
-        return numpy.concatenate([Y[..., :m], unused, Y[..., m:]], -1)
+        found = numpy.zeros((len(Y), 2 * self.system.n))
+        found[:, self.system.used] = Y
+        return found
 
     def motion(self, Y: numpy.ndarray) -> numpy.ndarray:
         m, a = self.system.m, self.system.kernel("acceleration", 0.0, self.states(Y))
         return numpy.concatenate([Y[:, m : 2 * m], a], 1)
 
     def constraints(self, Y: numpy.ndarray) -> numpy.ndarray:
-        given, states = self.system.given, self.states(Y)
-        parts = [numpy.zeros((len(Y), 0))]
-        if given["holonomic"]:
-            parts.append(self.system.kernel("constraint", 0.0, states))
-        if given["constraints"]:
-            parts.append(self.system.kernel("constraint rates", 0.0, states))
-        return numpy.concatenate(parts, 1)
+        return self.system.constraints(self.states(Y))
 
     def along(self, of: Callable, Y: numpy.ndarray, g: numpy.ndarray) -> numpy.ndarray:
         """Returns the derivatives of of(Y) along g."""
@@ -132,8 +122,8 @@ class Fields:
         if self.system.bound:
             it = self.system.reference()
             ends = [it.projected(y) for y in self.states(Y)]
-            on = [y for status, y in ends if status == "PK_DONE"]
-            Y = self.dense(numpy.array(on).reshape(len(on), 2 * self.system.n))
+            on = [y[self.system.used] for status, y in ends if status == "PK_DONE"]
+            Y = numpy.array(on).reshape(len(on), Y.shape[1])
         return Y[numpy.isfinite(self.motion(Y)).all(1)]
 
     def turn(self, symmetry: Symmetry, Y: numpy.ndarray) -> numpy.ndarray:
@@ -151,6 +141,7 @@ class Fields:
         return numpy.concatenate([g[:, :m], 2 * w.reshape(len(Y), -1)], 1)
 
     def commute(self, found: Sequence[Symmetry]) -> bool:
+        """Returns whether any two of the symmetries commute."""
         return all(
             abs(a.G @ b.G - b.G @ a.G).max() + abs(a.G @ b.h - b.G @ a.h).max() < 1e-9
             for a, b in combinations(found, 2)

@@ -55,6 +55,11 @@ class System:
         self.bound = bool(given["rotations"] or given["constraints"])
         unread = [0.0] * (self.n - self.m)
         self.start = numpy.array([*given["q"], *unread, *given["v"]], float)  # None becomes NaN
+        self.begun = numpy.where(numpy.isnan(self.start), 0.0, self.start)
+        n, m = self.n, self.m
+        # Of a state the numbers in use, first as (q, v), and then as (unknowns, rates).
+        self.used = numpy.array([*range(m), *range(n, 2 * n)])
+        self.unknowns_first = numpy.array([*range(m), *range(n + m, 2 * n), *range(n, n + m)])
         self.until = settings.until
         self.idle = numpy.zeros(self.n, bool)  # unknowns on which no rate depends
         self.idle[given["cyclic"]] = True
@@ -83,6 +88,13 @@ class System:
         u = self.inputs
         given = None if u is None else numpy.broadcast_to(u, (len(states), u.shape[-1]))
         return self.run.evaluate(name, t, self.q(states), self.v(states), given)
+
+    def constraints(self, states: numpy.ndarray) -> numpy.ndarray:
+        """Returns what the constraints keep at 0, phi and then J v + j0."""
+        names = ["constraint"] * bool(self.given["holonomic"])
+        names += ["constraint rates"] * bool(self.given["constraints"])
+        none = numpy.zeros((len(numpy.atleast_2d(states)), 0))
+        return numpy.concatenate([none, *(self.kernel(x, 0.0, states) for x in names)], 1)
 
     def begin(self, method: str, state: numpy.ndarray | None = None, **more: float) -> Integration:
         return Integration(

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pkgen_runtime
 
 from ...equations import Facts, Quantity
+from ...middle.derive.sensitivity import SENSITIVITIES
 from ...middle.report import Report
 from ...model import Definition, Model
 from ...system.cache import cached
@@ -62,7 +63,7 @@ SYSTEM_KERNELS = {
     "sampling": "samples.start",
     "meeting": "contacts.values",
     "noise": "noise.values",
-    **{name: f"sensitivity.{name}" for name in ("r_u", "r_p", "out_x", "out_u", "out_p")},
+    **{name: f"sensitivity.{name}" for name in SENSITIVITIES},
 }
 
 # Files that connect a model's header and source to the runtime, and their templates.

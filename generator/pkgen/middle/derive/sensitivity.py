@@ -15,7 +15,7 @@ from ...graph.graph import BIT, Kind
 from ..motion import STATE, Wanted, matrix, residual
 from ..quantities import symbols
 
-NAMES = ("r_u", "r_p", "out_x", "out_u", "out_p")
+SENSITIVITIES = ("r_u", "r_p", "out_x", "out_u", "out_p")
 
 
 def sensitivity_of(e: Equations, wanted: Wanted) -> Mapping[str, Matrix]:
@@ -26,7 +26,7 @@ def sensitivity_of(e: Equations, wanted: Wanted) -> Mapping[str, Matrix]:
         "u": (symbols(g, Kind.INPUT, len(e.inputs)), BIT[Kind.INPUT]),
         "p": (symbols(g, Kind.PARAMETER, len(e.parameters)), BIT[Kind.PARAMETER]),
     }
-    for name in filter(wanted.named, NAMES):
+    for name in filter(wanted.named, SENSITIVITIES):
         of, letter = name.split("_")
         rows = residual(g, e.force, e.mass) if of == "r" else e.observed
         symbol, mask = by[letter]

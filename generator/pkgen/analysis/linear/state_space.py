@@ -1,0 +1,153 @@
+"""A linear model with the names of its states, inputs and outputs, and what others take of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy
+from numpy import linalg
+
+from ...system.exits import UsageError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+NEAR = 1e-9  # a singular value below this part of the largest counts as 0
+
+
+@dataclass(frozen=True)
+class Linear:
+    """A linear model in SI units, with matrices `A, B, C, D = linear`, as in
+    `scipy.signal.StateSpace(*linear)`. `state` and `input` have the values of all quantities at the
+    state, by name; `period` is that of a discrete model, or 0."""
+
+    A: NDArray[Any]
+    B: NDArray[Any]
+    C: NDArray[Any]
+    D: NDArray[Any]
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    units: dict[str, list[str]]
+    state: dict[str, float]
+    input: dict[str, float]
+    t: float = 0.0
+    period: float = 0.0
+
+    def __iter__(self) -> Iterator[NDArray[Any]]:
+        return iter((self.A, self.B, self.C, self.D))
+
+    @property
+    def poles(self) -> NDArray[Any]:
+        found = linalg.eigvals(self.A)
+        return found[numpy.lexsort((found.imag, found.real))]
+
+    def controllability(self) -> tuple[int, NDArray[Any]]:
+        """Returns the number of controllable freedoms, and the matrix (B, A B, A^2 B, ...)."""
+        return _reached(self.A, self.B)
+
+    def observability(self) -> tuple[int, NDArray[Any]]:
+        """Returns the number of observable freedoms, and the matrix (C; C A; C A^2; ...)."""
+        rank, matrix = _reached(self.A.T, self.C.T)
+        return rank, matrix.T
+
+    def transfer(self, output: str, input: str) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Returns the coefficients of numerator and denominator, the highest power first."""
+        for name, of, kind in ((output, self.outputs, "output"), (input, self.inputs, "input")):
+            if name not in of:
+                raise UsageError(f"{name}: no {kind}; there are {', '.join(of) or 'none'}")
+        i, j = self.outputs.index(output), self.inputs.index(input)
+        from scipy.signal import ss2tf
+
+        b, c, d = self.B[:, j : j + 1], self.C[i : i + 1], self.D[i : i + 1, j : j + 1]
+        numerators, denominator = ss2tf(self.A, b, c, d)
+        return numerators[0], denominator
+
+    def discrete(self, period: float) -> Linear:
+        """Returns the model of samples every `period` seconds, between which inputs are held."""
+        from scipy.linalg import expm
+
+        n, m = self.B.shape
+        both = numpy.zeros((n + m, n + m))
+        both[:n, :n], both[:n, n:] = self.A, self.B
+        step = expm(both * period)
+        rest_of = {k: x for k, x in vars(self).items() if k not in ("A", "B", "period")}
+        return Linear(step[:n, :n], step[:n, n:], **rest_of, period=period)
+
+    def to_ss(self) -> Any:
+        """Returns a StateSpace of python-control, with the names of states, inputs and outputs."""
+        import control
+
+        of = {"states": self.states, "inputs": self.inputs, "outputs": self.outputs}
+        more = {k: list(names) for k, names in of.items() if names}
+        return control.ss(*self, self.period, **more) if self.period else control.ss(*self, **more)
+
+    def matlab(self) -> str:
+        """Returns the text of a MATLAB or Octave script that defines `sys`."""
+
+        def rows(matrix: NDArray[Any]) -> str:
+            text = "; ".join(" ".join(f"{x:.17g}" for x in row) for row in matrix)
+            return f"[{text}]" if matrix.size else f"zeros({matrix.shape[0]}, {matrix.shape[1]})"
+
+        lines = [f"{name} = {rows(matrix)};" for name, matrix in zip("ABCD", self, strict=True)]
+        period = f", {self.period:.17g}" if self.period else ""
+        lines.append(f"sys = ss(A, B, C, D{period});")
+        kinds = {"StateName": self.states, "InputName": self.inputs, "OutputName": self.outputs}
+        for kind, names in kinds.items():
+            quoted = ", ".join("'" + name.replace("'", "''") + "'" for name in names)
+            lines += [f"sys.{kind} = {{{quoted}}};"] if names else []
+        return "\n".join(lines) + "\n"
+
+    def text(self) -> str:
+        """Returns the model as tables."""
+        lines = []
+        for name, matrix, rows, columns in (
+            ("A", self.A, self.states, self.states),
+            ("B", self.B, self.states, self.inputs),
+            ("C", self.C, self.outputs, self.states),
+            ("D", self.D, self.outputs, self.inputs),
+        ):
+            if matrix.size:
+                table = [[name, *columns]]
+                table += [
+                    [row, *(f"{x:.10g}" for x in values)]
+                    for row, values in zip(rows, matrix, strict=True)
+                ]
+                widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+                lines += [
+                    "  ".join(x.rjust(w) for x, w in zip(row, widths, strict=True)) for row in table
+                ]
+        lines.append("poles: " + ", ".join(f"{z:.10g}" for z in self.poles))
+        lines.append("at " + ", ".join(f"{k} = {x:.10g}" for k, x in self.state.items()))
+        if self.inputs:
+            reached = self.controllability()[0]
+            lines.append(f"controllable: {reached} of {len(self.states)}")
+            lines.append("inputs " + ", ".join(f"{k} = {x:.10g}" for k, x in self.input.items()))
+        lines.append(f"observable: {self.observability()[0]} of {len(self.states)}")
+        return "\n".join(lines) + "\n"
+
+    def record(self) -> dict[str, Any]:
+        """Returns the model as data for JSON: matrices are lists of rows."""
+        of = {name: matrix.tolist() for name, matrix in zip("ABCD", self, strict=True)}
+        names = {k: list(getattr(self, k)) for k in ("states", "inputs", "outputs")}
+        poles = [[z.real, z.imag] for z in self.poles.tolist()]
+        at = {"t": self.t, "state": self.state, "input": self.input, "period": self.period}
+        return {**of, **names, "units": self.units, "poles": poles, **at}
+
+
+def _reached(A: NDArray[Any], B: NDArray[Any]) -> tuple[int, NDArray[Any]]:
+    columns = [B]
+    for _ in range(len(A) - 1):
+        columns.append(A @ columns[-1])
+    matrix = numpy.concatenate(columns, 1)
+    # The rank is that of a basis grown by A: powers of A are ill-conditioned.
+    basis, new = numpy.zeros((len(A), 0)), B
+    while new.size:
+        new = new - basis @ (basis.T @ new)
+        u, s, _ = linalg.svd(new, full_matrices=False)
+        new = u[:, s > NEAR * max(1.0, abs(A).max(initial=0.0))]
+        basis = numpy.concatenate([basis, new], 1)
+        new = A @ new
+    return basis.shape[1], matrix
