@@ -88,6 +88,7 @@ def test_help_names_what_can_be_set(program: Path) -> None:
         (["--ensemble", "nowhere.csv"], "cannot read nowhere.csv"),
         (["--method", "gsl_rkf45"], "no such method: gsl_rkf45; this was built without GSL"),
         (["--diagnose", "fortune"], "no such diagnostic"),
+        (["--diagnose", "modes"], "in Python"),
     ],
 )
 def test_what_cannot_be_asked(program: Path, tmp_path: Path, words: list[str], said: str) -> None:

@@ -24,6 +24,7 @@ from .symmetries import Fields, Symmetry, symmetries
 from .system import System, floats, opened
 
 TRIES = 100  # starts of the search, besides the start of the motion
+MOST_TRIES = 100_000
 MOST = 32  # equilibria that are returned
 FURTHEST = 1e6  # an equilibrium farther away, in boxes, is none
 ROUNDS, POLISH, AGAIN = 200, 60, 40  # Newton's iterations; at a root; searches from a start
@@ -32,7 +33,6 @@ MORE = 8  # starts for each equilibrium found, or more
 SMALL = 1e-12  # the iteration ends when its correction is smaller, in units of reach()
 HELD, NEAR = 2e-10, 1e-4  # at a root the equations hold, and the last correction is small
 FAR, UNDERFLOWN = 3, 1e-290  # in boxes; derivatives so small there are of no root
-STILL = 1e-9  # smaller corrections are round-off
 ASIDE = 1e-2  # length of a step along a continuum, in units of reach()
 
 
@@ -86,13 +86,8 @@ class Search(Steady):
         (step,), (flat,), (directions,) = self._least(gap[None], slopes[None])
         far = self.is_forced and (abs(z - self.middle) > FAR * self.box).any()
         good &= not far or abs(slopes).max(initial=0.0) > UNDERFLOWN
-        size = abs(step).max()
-        if not good or not held or not size <= NEAR:
+        if not good or not held or not abs(step).max() <= NEAR:
             return None
-        if size > STILL:  # corrections towards a root shrink, those on the way to infinity do not
-            (gap,), (slopes,), _ = self.linear((z + step * self.reach(z))[None])
-            if not abs(self._least(gap[None], slopes[None])[0]).max() < 0.97 * size:
-                return None
         return step, int(flat.sum()), directions[-1]
 
     def _goes_on(self, z: numpy.ndarray, along: numpy.ndarray) -> bool:
@@ -252,5 +247,7 @@ def of_system(system: System, compilation: Compilation, tries: int) -> Rest:
 def of_model(options: argparse.Namespace, compilation: Compilation) -> Rest:
     """Returns the equilibria and steady motions of a compiled model. Raises UsageError, ModelError,
     BuildError."""
-    system = opened(options, compilation, "pkgen equilibria")
-    return of_system(system, compilation, options.tries or TRIES)
+    tries = TRIES if options.tries is None else options.tries
+    if not 1 <= tries <= MOST_TRIES:
+        raise UsageError(f"--tries {tries}: give a number from 1 to {MOST_TRIES}")
+    return of_system(opened(options, compilation, "pkgen equilibria"), compilation, tries)

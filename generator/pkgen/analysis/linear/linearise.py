@@ -198,6 +198,8 @@ def of_model(options: argparse.Namespace, compilation: Compilation) -> Linear:
         raise UsageError(f"--at {at}: give equilibrium, trim, or a time as t=2")
     values = Values(compilation)
     t = values.value("--at", at.removeprefix("t="), values.time, "t")
+    if t < 0:
+        raise UsageError(f"--at {at}: the motion begins at t = 0")
     motion = system.begin(EXACT, rtol=1e-12)
     if not motion.to(t):
         raise NumericsFailed(f"the motion ended at t = {motion.t:g} ({motion.status})")
