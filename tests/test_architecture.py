@@ -41,7 +41,7 @@ run
 scenes
 plot
 describe
-analysis/chart analysis/linear
+analysis/chart analysis/linear analysis/sensitivity
 analysis/choose analysis/stability explain
 api
 __init__ cli

@@ -60,6 +60,15 @@ struct kernel {
     pk_kernel_moving *moving;
 };
 
+const struct pk_jacobian *run_jacobian(const struct pk_system *system, const char *name)
+{
+    const struct pk_part_sensitivity *all = &system->sensitivity;
+    for (size_t k = 0; k < all->n; k++)
+        if (strcmp(all->table[k].name, name) == 0)
+            return &all->table[k];
+    return NULL;
+}
+
 static struct kernel find(const struct settings *s, const char *name)
 {
     const struct pk_system *system = s->system;
@@ -67,8 +76,6 @@ static struct kernel find(const struct settings *s, const char *name)
     const struct pk_part_constraints *held = &system->constraints;
     pk_kernel_2 *const rows = held->jacobian;
     pk_kernel_2 *const free = system->unconstrained ? system->unconstrained : system->canonical;
-    const struct pk_part_sensitivity *by = &system->sensitivity;
-    const size_t n_p = system->n_parameters, n_u = system->n_inputs;
     const size_t outputs = pk_system_outputs(system, s->params);
     const struct kernel kernels[] = {
         {"acceleration", ACCELERATION, .width = solved},
@@ -83,17 +90,15 @@ static struct kernel find(const struct settings *s, const char *name)
         {"force", PLAIN, system->force ? n : 0, .plain = system->force},
         {"mass", PLAIN, system->mass ? n * n : 0, .plain = system->mass},
         {"outputs", PLAIN, outputs, .plain = system->observe},
-        {"r_u", MOVING, by->r_u ? n * n_u : 0, .moving = by->r_u},
-        {"r_p", MOVING, by->r_p ? n * n_p : 0, .moving = by->r_p},
-        {"out_x", PLAIN, by->out_x ? 2 * n * outputs : 0, .plain = by->out_x},
-        {"out_u", PLAIN, by->out_u ? n_u * outputs : 0, .plain = by->out_u},
-        {"out_p", PLAIN, by->out_p ? n_p * outputs : 0, .plain = by->out_p},
         {"", PLAIN, .width = 0},
     };
     const struct kernel *k = kernels;
     while (*k->name && strcmp(k->name, name) != 0)
         k++;
-    return *k;
+    const struct pk_jacobian *of = *k->name ? NULL : run_jacobian(system, name);
+    return of ? (struct kernel){name, of->moving ? MOVING : PLAIN, of->width, of->plain,
+                                .moving = of->moving}
+              : *k;
 }
 
 /* Evaluates a kernel at one state. Returns 0, with `out` undefined, if M is singular there. */

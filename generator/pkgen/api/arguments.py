@@ -79,7 +79,9 @@ ALLOWED: dict[str, tuple[Check, str]] = {
     **dict.fromkeys(NUMBERS, (_is_value, _VALUE)),
     **dict.fromkeys(("hold", "linear"), (_is_number, "a number, in the model's unit of time")),
     **dict.fromkeys(("scene", "method", "at"), (_is_text, "a text")),
-    **dict.fromkeys(("record", "diagnose"), (_some(_is_text), "a name, or a list of names")),
+    **dict.fromkeys(
+        ("record", "diagnose", "sensitivity"), (_some(_is_text), "a name, or a list of names")
+    ),
     **dict.fromkeys(("max_steps", "threads", "seed"), (_is_whole, "a whole number")),
 }
 REQUIRED = ("path", "iteration", "max_steps")  # arguments that must not be None

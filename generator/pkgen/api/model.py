@@ -6,6 +6,7 @@ import argparse
 import os
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -40,7 +41,7 @@ from .integrator import Integrator
 from .kernels import Kernels
 from .page import Page, shown
 from .parameters import Parameters, Tables
-from .prepare import prepare
+from .prepare import Prepared, prepare
 from .result import Result
 
 if TYPE_CHECKING:
@@ -160,6 +161,7 @@ class Model(Kernels):
         seed: int | None = None,
         tableau: Files = (),
         composition: Weights = (),
+        sensitivity: Names = (),
     ) -> Result:
         """Integrates the model. Arguments are the options of `pkgen run` of the same names; by
         default, the scene's settings apply. Numbers are in SI units, or texts with a unit:
@@ -176,11 +178,14 @@ class Model(Kernels):
         samples of the block it is called with the inputs and memory cells by name, and returns the
         new values of those that the block sets.
 
+        `sensitivity` names parameters, inputs, and coordinates or rates for their starts: then
+        `result.sensitivity["theta1", "m1"]` is the derivative of a column by one of them.
+
         Raises UsageError for invalid arguments, RunError if the numerics fail (its `result` has the
         rows up to the last valid time), and KeyboardInterrupt.
         """
         given = {k: x for k, x in locals().items() if k not in ("self", "hold", "linear")}
-        del given["controllers"]
+        del given["controllers"], given["sensitivity"]
         arguments.checked(inputs=inputs, hold=hold, linear=linear, controllers=controllers)
         functions = {k: x for k, x in (inputs or {}).items() if arguments.is_computed(x)}
         computed: Computed | Controllers | None = Controllers(controllers) if controllers else None
@@ -189,7 +194,17 @@ class Model(Kernels):
             refuse_statements(self.compilation.declared, "inputs")
             if laws.needs_explicit and method is None:
                 given["method"] = "dop853"
-        return self._run(arguments.options(self, given), computed=computed)
+        by = arguments.several(sensitivity)
+        if by and computed:
+            raise UsageError("sensitivity: inputs and controllers in Python have no derivatives")
+        return self._run(arguments.options(self, given), computed=computed, by=by)
+
+    def gradient(self, of: str, by: Names, **more: Any) -> dict[str, float]:
+        """Returns the derivative of the last value of a column by parameters, inputs, and starts of
+        coordinates and rates, by name; "t" is a column if an event ends the run. `more` are
+        arguments of `run`. The derivative is that of the very steps. Raises as `run`."""
+        found = self.run(**more, sensitivity=by).sensitivity.of(of)[-1]
+        return dict(zip(arguments.several(by), map(float, found), strict=True))
 
     def ensemble(
         self, table: Any, until: Value | None = None, *, threads: int | None = None, **more: Any
@@ -210,12 +225,16 @@ class Model(Kernels):
         options: argparse.Namespace,
         table: Any = None,
         computed: Computed | Controllers | None = None,
+        by: Sequence[str] = (),
     ) -> Result:
         if computed is not None:
             options.no_reduce = "all"  # input functions get q and v of the whole model
-        prepared = prepare(options, self._compiled, table).built()
         errors: list[BaseException] = []
-        more = computed.settings(prepared, errors) if computed else {}
+        if by:
+            prepared, more = self._taped(options), {"tape": 1}
+        else:
+            prepared = prepare(options, self._compiled, table).built()
+            more = computed.settings(prepared, errors) if computed else {}
         done, told = followed(prepared, **more)
         for error in errors:
             raise error
@@ -233,7 +252,22 @@ class Model(Kernels):
             first: Any = report.get("first_failed") or report
             valid = first.get("last_valid", first.get("t", 0.0))
             raise RunError(said, first.get("status", ""), valid, result)
+        if by:
+            from ..analysis.sensitivity.forward import Sensitivities
+            from ..analysis.sensitivity.tape import Tape
+
+            result.sensitivity = Sensitivities(Tape(prepared, done), by, result.t)
         return result
+
+    def _taped(self, options: argparse.Namespace) -> Prepared:
+        """Prepares a run whose steps are kept, for its derivatives."""
+        from ..analysis.sensitivity import tape
+
+        options.no_reduce = "all"
+        how = {"unroll": None, "kernels": tape.kernels()}
+        prepared = prepare(options, lambda of, **more: self._compiled(of, **{**more, **how}))
+        tape.refuse(prepared)
+        return replace(prepared, library=tape.library(prepared))
 
     @in_words()
     def exact(self, t: ArrayLike) -> dict[str, NDArray[Any]]:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
+    from ..analysis.sensitivity.forward import Sensitivities
+
 SHOWN = 5  # number of first and of last rows that a notebook shows
 
 
@@ -25,7 +27,8 @@ class Result:
 
     `t` has their times, `r["theta1"]` is a column, `units` has the unit of each column, `report` is
     the run's report (docs/commands.md), `events` has the times of each event, `expects` has the
-    verdicts on the scene's expectations, `messages` has the messages of the run. In an ensemble,
+    verdicts on the scene's expectations, `messages` has the messages of the run,
+    `sensitivity` has the derivatives that the run was asked for. In an ensemble,
     `member` has the member of each row, and `by_member("theta1")` has a row for each member.
     """
 
@@ -43,6 +46,7 @@ class Result:
         self._index = {c.name: i for i, c in enumerate(columns)}
         self._rows = rows
         self._several = "members" in report
+        self.sensitivity: Sensitivities | None = None
 
     @property
     def t(self) -> numpy.ndarray:

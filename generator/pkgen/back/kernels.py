@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 
 from ..equations import Equations, Hamiltonian, Row
 from ..graph.graph import ZERO
+from ..middle.derive.sensitivity import JACOBIANS, MOVING
 from ..middle.motion import LINEAR_OF_FEW
 from .kernel_spec import KernelSpec, pivot_checks
 from .targets import Target
@@ -75,10 +76,14 @@ def _canonical(
     )
 
 
-def _jacobian(name: str, says: str, given: tuple[str, ...] = ()) -> KernelSpec:
+def _jacobian(name: str) -> KernelSpec:
     """Returns a kernel of middle/derive/sensitivity.py, which is made only if asked for by name."""
     return KernelSpec(
-        name, says, lambda e: {name: (e.sensitivity or {}).get(name)}, given=given, copies=True
+        name,
+        f"the derivatives {JACOBIANS[name]}",
+        lambda e: {name: (e.sensitivity or {}).get(name)},
+        given=("a",) if name in MOVING else (),
+        copies=True,
     )
 
 
@@ -250,11 +255,7 @@ _SPECS = (
         "T and T0 of each sample block, and the inputs at the start of a motion",
         lambda e: e.sampled and {"times": e.sample_times, "held": e.held_start},
     ),
-    _jacobian("r_u", "derivatives of r = f - M a by the inputs: M da/du = r_u", ("a",)),
-    _jacobian("r_p", "derivatives of r = f - M a by the parameters: M da/dp = r_p", ("a",)),
-    _jacobian("out_x", "derivatives of the outputs by q, then by v"),
-    _jacobian("out_u", "derivatives of the outputs by the inputs"),
-    _jacobian("out_p", "derivatives of the outputs by the parameters"),
+    *map(_jacobian, JACOBIANS),
     KernelSpec("start", "initial values", lambda e: {"q": e.start_q, "v": e.start_v}),
 )
 KERNELS: dict[str, KernelSpec] = {spec.name: spec for spec in _SPECS}

@@ -153,6 +153,7 @@ struct pk_run_settings {
     size_t n_reduced;
     const struct pk_run_reduced *reduced; /* the numbers that pk_run_members() returns */
     int no_rows;                          /* 1: no rows are stored */
+    int tape;                             /* 1: each step is kept, for pk_run_tape() */
     int lenient;                          /* 1: refused parameters of a member do not end the run */
 
     const char *checkpoint;      /* checkpoint file; NULL: none */
@@ -230,6 +231,24 @@ double pk_run_laps(struct pk_run *run, double seconds);
 size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const double *t,
                        const double *q, const double *v, const double *u, double *out);
 size_t pk_run_width(const struct pk_run *run, const char *what); /* 0: unknown kernel name */
+/* The steps of a run with the setting `tape`, after pk_run_go(), as rows of *width numbers: t at the
+ * start and at the end; 0, or 1 + the number of the event or switch (after the events) at which the
+ * motion jumps or changes its equations at the end, or -1 if there are several; q and v at the
+ * start, then q and v at the end, before a jump (n each); the inputs. */
+size_t pk_run_tape(const struct pk_run *run, const double **rows, size_t *width);
+/* Writes q' and v', n numbers each, at the start or the end of a row of the tape, with the equations
+ * of its step. Returns a status. */
+int pk_run_tape_rates(struct pk_run *run, size_t row, int end, double *rates);
+/* Writes the derivative of the state at the end of a row by the time of this end. It differs from
+ * q' and v' by the error of a step. Returns a status. */
+int pk_run_tape_end(struct pk_run *run, size_t row, double *rates);
+/* Propagates small displacements, the columns of D, through the steps from `begin` to before `end`,
+ * by the derivative of each step. A column is dq (n numbers), dv (n), du (n_inputs), dp
+ * (n_parameters) and dt, by which the times of fixed steps shift. At each of the ascending times,
+ * which are within these steps, q and v are written to `out`, then dq and dv of each column.
+ * Returns a status. */
+int pk_run_tangent(struct pk_run *run, size_t begin, size_t end, size_t columns, double *D,
+                   size_t n_times, const double *times, double *out);
 /* Returns parameters and start values in JSON. */
 const char *pk_run_given(struct pk_run *run);
 void pk_run_free(struct pk_run *run);

@@ -141,11 +141,17 @@ struct pk_part_noise {
     pk_kernel_2 *values;
 };
 
-/* Jacobians that a compile was asked for by name; the others are NULL. Rows are those of r = f - M
- * a at given a (n), or outputs; columns are inputs, parameters, or q and then v. */
+/* Jacobians that a compile was asked for by name, row-major, of `width` numbers in all. `moving`
+ * takes an acceleration a, else `plain` is set. */
+struct pk_jacobian {
+    const char *name;
+    size_t width;
+    pk_kernel *plain;
+    pk_kernel_moving *moving;
+};
 struct pk_part_sensitivity {
-    pk_kernel_moving *r_u, *r_p;
-    pk_kernel *out_x, *out_u, *out_p;
+    size_t n;
+    const struct pk_jacobian *table;
 };
 
 struct pk_system {

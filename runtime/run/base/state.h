@@ -202,6 +202,7 @@ struct pk_run {
     double part;                     /* fraction of the ensemble that is finished */
     double seconds, processor;       /* wall clock and CPU time of the steps and rows */
     struct diagnostics *diagnostics; /* NULL if no diagnostic is requested */
+    struct tape *tape;               /* NULL unless settings.asked.tape */
     struct looking *looking;         /* state of condition.c */
     /* For the diagnostic `area`: the loop that the members form; otherwise NULL. */
     struct loop *loop;
@@ -225,6 +226,8 @@ static inline size_t settings_coordinates(const struct settings *s)
     return pk_system_coordinates(s->system, s->params);
 }
 
+/* Returns a Jacobian that the model was compiled with, or NULL. */
+const struct pk_jacobian *run_jacobian(const struct pk_system *system, const char *name);
 /* In control.c: return the wall clock, and the CPU time of this thread, in seconds. */
 double run_now(void);
 double run_processor(void);

@@ -50,7 +50,7 @@ static enum pk_run_code diagnose_run(struct pk_run *run, enum pk_run_code code)
 }
 
 const struct pk_run_diagnose pk_run_diagnose = {
-    .observers = {&diagnose_observer, &area_observer},
+    .observers = {&diagnose_observer, &area_observer, &tape_observer},
     .run = diagnose_run,
     .report = diagnose_report,
     .free = diagnose_free,

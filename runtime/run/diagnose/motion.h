@@ -11,6 +11,7 @@ struct motion {
     struct pk_options options;
     pk_real t, end;
     const pk_real *q, *v;
+    int sided; /* whether the sides of all switches are set in the params */
     struct memory *memory;
     struct pk_integrator it; /* must be freed */
     void *block;             /* memory of `it` */
@@ -51,10 +52,18 @@ struct variation {
     size_t n_q, n, columns;
     /* work memory of n numbers each: v, the acceleration a, a right-hand side b; inputs */
     pk_real *work, *v, *a, *b, *u;
+    /* Displacements of the inputs and then the parameters, for each column; NULL: none. `drive` has
+     * the derivatives of r by inputs and parameters. */
+    const pk_real *du;
+    const struct pk_jacobian *r_u, *r_p, *canonical;
+    pk_real *drive;
 };
 
 /* Returns PK_REFUSED without a kernel `linear`, mass or jacobian, or PK_SMOOTH. */
 enum pk_status variation_init(struct variation *w, const struct motion *m, size_t columns);
+/* Lets the columns also change parameters and inputs; call it after variation_init(). The system
+ * needs the kernels r_p and, with inputs, r_u; without canonical_d methods in (q, p) are refused. */
+enum pk_status variation_drive(struct variation *w, const pk_real *du);
 /* variation_place() returns the index in V of number i of v (if k = 0) or of dv_k. variation_take()
  * copies the n numbers of v or dv_k from V, variation_put() copies them to V. */
 size_t variation_place(const struct variation *w, size_t k, size_t i);

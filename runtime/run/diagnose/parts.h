@@ -19,7 +19,7 @@ enum {
 void diagnose_report(const struct pk_run *run, struct json *j);
 void diagnose_free(struct pk_run *run);
 pk_real diagnose_exponent(struct pk_run *of);
-extern const struct observer diagnose_observer, area_observer;
+extern const struct observer diagnose_observer, area_observer, tape_observer;
 
 /* defined in area.c and area_find.c */
 enum pk_run_code area_begin(struct pk_run *run, const pk_real *t, size_t count);

@@ -46,6 +46,15 @@ static const pk_real *own(const struct variation *w, const pk_real *V)
     return w->v;
 }
 
+/* Returns the change of a quantity by the inputs and the parameters of column k, from 0. U and P are
+ * its derivatives by all inputs and by all parameters. */
+static pk_real driven(const struct variation *w, size_t k, const pk_real *U, const pk_real *P)
+{
+    const size_t m = w->of.system->n_inputs, n_p = w->of.system->n_parameters;
+    const pk_real *const d = w->du + k * (m + n_p);
+    return pk_dot(U, d, m) + pk_dot(P, d + m, n_p);
+}
+
 static int acceleration(ARGS, pk_real *a)
 {
     const struct variation *w = self(params);
@@ -62,6 +71,12 @@ static int acceleration(ARGS, pk_real *a)
         return 0;
     system->linear(OF(w), w->a, r_q, r_v, r_t);
     system->mass(OF(w), M);
+    const size_t m = system->n_inputs, n_p = system->n_parameters;
+    pk_real *const r_u = w->drive, *const r_p = w->du ? r_u + n * m : NULL;
+    if (w->du && m)
+        w->r_u->moving(OF(w), w->a, r_u);
+    if (w->du && n_p)
+        w->r_p->moving(OF(w), w->a, r_p);
     const size_t pivot = pk_ldl_factor(M, n);
     if (pivot)
         return PK_FAILED(PK_FAILURE_MASS, pivot - 1);
@@ -70,6 +85,8 @@ static int acceleration(ARGS, pk_real *a)
         memset(w->a, 0, n * sizeof *w->a);
         add_by_q(w, w->a, r_q, q + k * n_q);
         pk_add_product(w->a, r_v, w->v, n);
+        for (size_t i = 0; i < n && w->du; i++)
+            w->a[i] += driven(w, k - 1, r_u + i * m, r_p + i * n_p);
         pk_ldl_solve(M, n, w->a);
         variation_put(w, w->a, k, a);
     }
@@ -130,6 +147,8 @@ static void canonical(ARGS, pk_real *p, pk_real *pdot)
     system->canonical(OF(w), w->a, w->b);
     system->jacobian(OF(w), p_q, pdot_q, pdot_v);
     system->mass(OF(w), M);
+    if (w->du)
+        w->canonical->plain(OF(w), w->drive);
     for (size_t k = 0;; k++) {
         variation_put(w, w->a, k, p);
         variation_put(w, w->b, k, pdot);
@@ -141,6 +160,11 @@ static void canonical(ARGS, pk_real *p, pk_real *pdot)
         add_by_q(w, w->a, p_q, q + (k + 1) * n_q);
         add_by_q(w, w->b, pdot_q, q + (k + 1) * n_q);
         pk_add_product(w->b, pdot_v, w->v, n);
+        const size_t m = system->n_inputs, wide = 2 * n + 1 + m + system->n_parameters;
+        for (size_t i = 0; i < 2 * n && w->du; i++) { /* w->b follows w->a */
+            const pk_real *row = w->drive + i * wide + 2 * n + 1;
+            w->a[i] += driven(w, k, row, row + m);
+        }
     }
 }
 
@@ -164,7 +188,8 @@ enum pk_status variation_init(struct variation *w, const struct motion *m, size_
     const size_t n = pk_system_count(system, m->problem->params);
     memset(w, 0, sizeof *w);
     /* At a kink, displacements jump, and derivatives do not show by how much. */
-    if (!system->linear || !system->mass || !system->jacobian || !(system->facts & PK_SMOOTH))
+    if (!system->linear || !system->mass || !system->jacobian ||
+        !(system->facts & (PK_SMOOTH | (m->sided ? PK_SWITCHED : 0u))))
         return PK_REFUSED;
     w->of = *m->problem;
     w->n_q = pk_coordinates_of(m->problem);
@@ -185,11 +210,12 @@ enum pk_status variation_init(struct variation *w, const struct motion *m, size_
                     PK_AFFINE | PK_LINEAR_DRAG;
     if (system->facts & PK_MASS_CONSTANT)
         kept |= PK_QUADRATIC;
+    const unsigned smooth = m->sided ? PK_SMOOTH : 0u;
     w->system =
         (struct pk_system){.abi = PK_ABI,
                            .name = system->name,
                            .source_hash = system->source_hash,
-                           .facts = system->facts & kept,
+                           .facts = (system->facts & kept) | smooth,
                            .n = n * (1 + columns),
                            .n_first_order = first_order(w),
                            .families.n_coordinates = n,
@@ -218,5 +244,21 @@ enum pk_status variation_init(struct variation *w, const struct motion *m, size_
     w->motion.v = w->V;
     w->motion.it = (struct pk_integrator){0};
     w->motion.block = NULL;
+    return PK_DONE;
+}
+
+enum pk_status variation_drive(struct variation *w, const pk_real *du)
+{
+    const struct pk_system *system = w->of.system;
+    const size_t n = w->n, more = system->n_inputs + system->n_parameters;
+    w->r_u = run_jacobian(system, "r_u");
+    w->r_p = run_jacobian(system, "r_p");
+    w->canonical = run_jacobian(system, "canonical_d");
+    if ((system->n_inputs && !w->r_u) || (system->n_parameters && !w->r_p))
+        return PK_REFUSED;
+    if (!w->canonical)
+        w->system.canonical = NULL;
+    w->drive = memory_take(w->motion.memory, 2 * n * (2 * n + 1 + more), sizeof *w->drive);
+    w->du = du;
     return PK_DONE;
 }

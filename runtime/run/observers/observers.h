@@ -26,7 +26,7 @@ extern const struct observer watch_observer, rows_observer, expect_observer, dri
 
 /* Functions of run/diagnose; a program may be linked without them. */
 struct pk_run_diagnose {
-    const struct observer *observers[2];
+    const struct observer *observers[3];
     /* Makes the requested diagnostics and their messages. Returns `code` unless one failed. */
     enum pk_run_code (*run)(struct pk_run *run, enum pk_run_code code);
     void (*report)(const struct pk_run *run, struct json *j); /* writes the member "diagnostics" */

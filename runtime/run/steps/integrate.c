@@ -55,7 +55,7 @@ static int sample(struct pk_run *run)
 
 static int fused(const struct pk_run *run)
 {
-    if (run->settings.asked.compute)
+    if (run->settings.asked.compute || run->settings.asked.tape)
         return 0;
     const struct pk_system *system = run->problem.system;
     return system->families.advance && run_fixed(run) && !system->events.n && !system->switches.n;
@@ -76,7 +76,7 @@ static unsigned long unseen(const struct pk_run *run)
     const struct settings *s = &run->settings;
     const unsigned long steps = it->count.steps;
     if (steps < ALL || !run_fixed(run) || s->asked.compute || run->bare.samples.n || run->crossed ||
-        s->asked.diagnose || s->asked.n_drifts || s->asked.n_expected || s->n_parts ||
+        s->asked.tape || s->asked.diagnose || s->asked.n_drifts || s->asked.n_expected || s->n_parts ||
         (by_time(run) && !(s->every > 0)))
         return 1;
     const pk_real left = run_wanted(run, it->t, s->until) - it->t;

@@ -8,6 +8,7 @@ from typing import Any
 
 from ...equations import Equations, Quantity
 from ...indices import parted
+from ...middle.derive.sensitivity import JACOBIANS
 from ...middle.quantities import per_second
 from .names import Names, local_wish
 from .program import Field, Kernel, Program, operations_text
@@ -58,11 +59,7 @@ _MATRICES = {
     "pdot_v": "pdot_v[i*{n} + j] = d(pdot_i)/dv_j",
     "r_q": "r_q[i*{n} + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration",
     "r_v": "r_v[i*{n} + j] = dr_i/dv_j",
-    "r_u": "r_u[i*{n} + j] = dr_i/du_j, at constant a",
-    "r_p": "r_p[i*{n} + j] = dr_i/dp_j, at constant a; each parameter for itself",
-    "out_x": "out_x[k*{n} + j] = d(output k)/dq_j, then by v_j in the second half of a row",
-    "out_u": "out_u[k*{n} + j] = d(output k)/du_j",
-    "out_p": "out_p[k*{n} + j] = d(output k)/dp_j; each parameter for itself",
+    **dict.fromkeys(JACOBIANS, "a row of {n} numbers for each quantity"),
     "J_out": "J_out[k*{n} + j] = d(residual_k)/dv_j, row-major",
     "G_out": "G_out[k*{n} + i], the acceleration a_i by a unit force along noise k",
     "off_rows": "off_rows[k*{n} + j], the derivatives by v_j, row-major",

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pkgen_runtime
 
 from ...equations import Facts, Quantity
-from ...middle.derive.sensitivity import SENSITIVITIES
+from ...middle.derive.sensitivity import JACOBIANS
 from ...middle.report import Report
 from ...model import Definition, Model
 from ...system.cache import cached
@@ -63,7 +63,6 @@ SYSTEM_KERNELS = {
     "sampling": "samples.start",
     "meeting": "contacts.values",
     "noise": "noise.values",
-    **{name: f"sensitivity.{name}" for name in SENSITIVITIES},
 }
 
 # Files that connect a model's header and source to the runtime, and their templates.
@@ -264,6 +263,7 @@ def frame(
             for kernel, field in SYSTEM_KERNELS.items()
             if kernel in kernels
         ],
+        "jacobian_names": [*JACOBIANS],
     }
 
 

@@ -1,0 +1,244 @@
+"""A run whose steps are kept, and small displacements of it.
+
+A displacement is a vector (dq, dv, du, dp, dt): of the state (n numbers each, as in C), of the
+inputs, of the parameters, and of the times of fixed steps after an event. C propagates it through the steps (runtime/run/diagnose/tangent.c); here it
+passes the jumps between them, by the saltation matrix.
+
+Reference: P. C. Müller, Chaos, Solitons and Fractals 5 (1995) 1671 (saltation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from ctypes import POINTER, c_double, c_size_t
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy
+
+from ...methods import known
+from ...middle.refused import refuse_statements
+from ...run import named
+from ...run.build import build_library
+from ...run.header import STATUSES
+from ...run.library import Run
+from ...run.simulate import Runnable
+from ...system.exits import NumericsFailed, UsageError
+from ...system.near import near
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+GRAZES = 1e-7  # relative rate at which an event function is crossed: a slower crossing grazes
+
+
+def kernels() -> frozenset[str]:
+    """Returns the kernels with which a model is compiled for derivatives of its runs."""
+    from ...back.kernels import CANONICAL, KERNELS
+    from ...middle.motion import PARTICLES
+
+    return frozenset(KERNELS) - CANONICAL - {PARTICLES, "out_x", "out_u", "out_p"}
+
+
+def refuse(prepared: Runnable) -> None:
+    """Raises UsageError or ModelError if there are no derivatives of the run."""
+    refuse_statements(prepared.compilation.declared, "sensitivity")
+    if prepared.compilation.looped:
+        raise UsageError("sensitivity: there are no derivatives of families kept as loops")
+    if prepared.settings.at is not None:
+        raise UsageError("sensitivity: rows at events have no derivatives: leave 'at' out")
+
+
+def library(prepared: Runnable) -> Path:
+    """Builds the library of a model whose runs keep their steps. Raises BuildError."""
+    of, methods = prepared.compilation, prepared.settings.methods
+    return build_library(of.files, of.model.name, *methods, diagnose=True, own=of.model.methods)
+
+
+class Tape:
+    """A run that has ended, with its steps. `rows` has a row for each step: t at its start and end,
+    the mark of pk_run_tape(), q0, v0, q1, v1, u."""
+
+    def __init__(self, prepared: Runnable, run: Run):
+        """`run` was made with the setting `tape`, by library()."""
+        of = prepared.compilation
+        self.compilation, self.settings, self.run = of, prepared.settings, run
+        self.equations = e = of.program.equations  # with first-order variables as rates
+        self.n, self.m, self.p = len(e.force), len(e.inputs), len(e.parameters)
+        self.width = 2 * self.n + self.m + self.p + 1
+        self.rows = self._rows()
+        method = known(of.model.methods)[prepared.settings.method]
+        self.fixed = "adaptive" not in method.traits
+
+    def _rows(self) -> NDArray[Any]:
+        found, wide = POINTER(c_double)(), c_size_t()
+        count = self.run._c.pk_run_tape(self.run._run, found, wide)
+        if not count:
+            return numpy.zeros((0, 3 + 4 * self.n + self.m))
+        return numpy.ctypeslib.as_array(found, (count, wide.value)).copy()
+
+    def state(self, k: int, end: int) -> tuple[float, NDArray[Any], NDArray[Any], NDArray[Any]]:
+        """Returns t, q, v and u at the start or the end of a row."""
+        row, n = self.rows[k], self.n
+        q, v = row[3 + 2 * n * end : 3 + 2 * n * (1 + end)].reshape(2, n)
+        return row[end], q, v, row[3 + 4 * n :]
+
+    def kernel(self, name: str, t: Any, q: Any, v: Any, u: Any, rows: int) -> NDArray[Any]:
+        """Returns a Jacobian of `rows` rows at one state, by (q, v, t, u, p)."""
+        found = self.run.evaluate(name, t, *map(numpy.atleast_2d, (q, v, u)))
+        return found.reshape(rows, -1) if rows else numpy.zeros((0, self.width))
+
+    def rates(self, k: int, end: int) -> NDArray[Any]:
+        """Returns (q', v') at the start or the end of a row."""
+        found = numpy.zeros(2 * self.n)
+        self._done(self.run._c.pk_run_tape_rates(self.run._run, k, end, _pointer(found)))
+        return found
+
+    def ending(self, k: int) -> NDArray[Any]:
+        """Returns the derivative of the state at the end of a row by the time of this end."""
+        if not self.fixed:
+            return self.rates(k, 1)
+        found = numpy.zeros(2 * self.n)
+        self._done(self.run._c.pk_run_tape_end(self.run._run, k, _pointer(found)))
+        return found
+
+    # -- displacements at the start -----------------------------------------------------------
+
+    def started(self, name: str) -> NDArray[Any]:
+        """Returns the displacement at the start by a parameter, an input, or the start value of a
+        coordinate, a rate or a first-order variable. Raises UsageError."""
+        n, d = self.n, numpy.zeros(self.width)
+        q, v = (named.coordinates(self.compilation, rates=x) for x in (False, True))
+        inputs, parameters = named.inputs(self.compilation), named.parameters(self.compilation)
+        for first, of in ((0, q), (n, v), (2 * n, inputs), (2 * n + self.m, parameters)):
+            if name in of:
+                d[first + of[name][0]] = 1
+                break
+        else:
+            known = [*q, *v, *inputs, *parameters]
+            raise UsageError(f"by {name}: {near(name, known, 'parameter, start or input')}")
+        if name in parameters:
+            d[2 * n + self.m : -1] = self._followed(d[2 * n + self.m : -1])
+            at = self.state(0, 0)
+            start = self.kernel("start_p", *at, 2 * n) @ d[2 * n + self.m : -1]
+            start[[i for i, _ in self.settings.start_q]] = 0
+            start[[n + i for i, _ in self.settings.start_v]] = 0
+            d[: 2 * n] = start
+        return d
+
+    def _followed(self, dp: NDArray[Any]) -> NDArray[Any]:
+        """Adds to a change of parameters that of those whose default values depend on them."""
+        slots = self.equations.parameters
+        given = {i for i, _ in self.settings.parameters}
+        if any(slot.follows for slot in slots):
+            slopes = self.kernel("default_p", *self.state(0, 0), self.p)
+            for i, slot in enumerate(slots):  # a default depends on earlier parameters only
+                if slot.follows and i not in given and not dp[i]:
+                    dp[i] = slopes[i] @ dp
+        return dp
+
+    # -- jumps ----------------------------------------------------------------------------------
+
+    def pieces(self) -> Iterator[tuple[int, int]]:
+        """Yields the first row and the row after the last one of each part without a jump."""
+        ends = [k + 1 for k, row in enumerate(self.rows[:-1]) if row[2]] + [len(self.rows)]
+        yield from zip([0, *ends[:-1]], ends, strict=True)
+
+    def crossing(self, k: int) -> NDArray[Any]:
+        """Returns the derivative of the time of the crossing at the end of a row, by a displacement
+        there. Raises NumericsFailed at a grazing."""
+        e, mark, at = self.equations, int(self.rows[k][2]), self.state(k, 1)
+        events = len(e.events)
+        if mark < 0:
+            raise NumericsFailed(
+                f"at t = {at[0]:.10g} several events come at once: the motion has no derivative "
+                "there, since another start parts them"
+            )
+        is_event = mark <= events
+        name, rows = ("event_d", events) if is_event else ("switch_d", len(e.switches))
+        of = e.event_names if is_event else [x.quantity for x in e.switches]
+        which = mark - 1 - (0 if is_event else events)
+        row, f = self.kernel(name, *at, rows)[which], self.ending(k)
+        n = 2 * self.n
+        rate = row[:n] @ f + row[n]
+        size = abs(row[:n]) @ abs(f) + abs(row[n])
+        if not abs(rate) > GRAZES * size:
+            raise NumericsFailed(
+                f"at t = {at[0]:.10g} the motion grazes {of[which].name}: it has no derivative "
+                "there, since a neighbour may not cross"
+            )
+        return numpy.append(-numpy.delete(row, n) / rate, 0.0)
+
+    def saltation(self, k: int) -> NDArray[Any]:
+        """Returns the derivative of the jump at the end of a row, by the displacement before it."""
+        e, n = self.equations, 2 * self.n
+        of_time = self.crossing(k)
+        jump, shift = numpy.eye(self.width), self.ending(k)
+        mark = int(self.rows[k][2])
+        if mark <= len(e.events):
+            which = [x.name for x in e.event_names].index
+            resets = [which(event.name) for event in e.model.resetting]
+            own, rows = e.own, e.own + self.n + self.m
+            found = self.kernel("reset_d", *self.state(k, 1), rows * len(resets))
+            found = found.reshape(len(resets), rows, -1)[resets.index(mark - 1)]
+            places = [*range(own), *range(self.n, n + self.m)]
+            jump[places, :-1] = numpy.delete(found, n, axis=1)
+            shift = jump[:n, :n] @ shift
+            shift[[i for i in places if i < n]] += found[: own + self.n, n]
+        elif e.switches[mark - 1 - len(e.events)].impulse:
+            raise UsageError(
+                f"at t = {self.rows[k][1]:.10g} rates jump at a switch of "
+                f"{e.switches[mark - 1 - len(e.events)].quantity.name}: no derivative is known there"
+            )
+        if self.fixed:
+            jump[-1] = of_time
+        else:
+            shift = shift - self.rates(k + 1, 0)
+        jump[:n] += numpy.outer(shift, of_time)
+        return jump
+
+    # -- forward --------------------------------------------------------------------------------
+
+    def forward(self, D: NDArray[Any], times: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Propagates the displacements D, of shape (columns, width), from the start. Returns the
+        states (q, v) at the ascending times, and the displacements there, of shape (times, columns,
+        width). A time of a jump is that before it. D becomes the displacement at the end."""
+        states = numpy.zeros((len(times), 2 * self.n))
+        found = numpy.zeros((len(times), *D.shape))
+        for begin, end in self.pieces():
+            last = end == len(self.rows)
+            inside = times <= self.rows[end - 1][1] if not last else times < numpy.inf
+            if begin:
+                inside &= times > self.rows[begin - 1][1]
+            which = numpy.flatnonzero(inside)
+            out = numpy.zeros((len(which), 1 + len(D), 2 * self.n))
+            at = numpy.minimum(times[which], self.rows[end - 1][1])
+            self._tangent(begin, end, D, at, out)
+            states[which] = out[:, 0]
+            found[which] = D
+            found[which, :, : 2 * self.n] = out[:, 1:]
+            if not last:
+                D[:] = D @ self.saltation(end - 1).T
+        return states, found
+
+    @property
+    def stopped(self) -> bool:
+        """Whether an event ended the run."""
+        return self.run.report.get("status") == "PK_STOPPED_EVENT"
+
+    def _tangent(
+        self, begin: int, end: int, D: NDArray[Any], times: NDArray[Any], out: NDArray[Any]
+    ) -> None:
+        given = len(D), _pointer(D), len(times), _pointer(times), _pointer(out)
+        self._done(self.run._c.pk_run_tangent(self.run._run, begin, end, *given))
+
+    def _done(self, code: int) -> None:
+        status = STATUSES[code]
+        if status == "PK_STOPPED_USER":
+            raise KeyboardInterrupt
+        if status != "PK_DONE":
+            raise NumericsFailed(f"the derivatives by method {self.settings.method}: {status}")
+
+
+def _pointer(x: NDArray[Any]) -> Any:
+    return x.ctypes.data_as(POINTER(c_double))

@@ -1,0 +1,137 @@
+/* The derivative of one step by differences of fourth order: the run's own method repeats the step
+ * from four neighbours. This includes projections on constraints, steps on SO(3), and noise, which
+ * is the same in each. Displacements are a thousandth of the largest numbers of the motion, so that
+ * the error is about 1e-12 of the derivative in double. */
+#include <pk/constraint.h>
+
+#include "../../src/core/internal.h"
+#include "tape.h"
+
+#define PART PK_C(1e-3)
+/* largest change of a time, in units of the step */
+#define PART_OF_STEP PK_C(1e-2)
+
+void differences_make(struct differences *d, struct pk_run *run)
+{
+    const struct settings *s = &run->settings;
+    const struct pk_system *system = s->system;
+    const struct tape *tape = run->tape;
+    const size_t n = s->n, m = system->n_inputs;
+    memset(d, 0, sizeof *d);
+    d->run = run;
+    d->n = n;
+    d->params = memory_take(&run->memory, system->params_size, 1);
+    d->q = memory_take(&run->memory, 6 * n + m, sizeof *d->q);
+    d->v = d->q + n;
+    d->scale = d->v + n;
+    d->found = d->scale + 2 * n;
+    d->u = d->found + 2 * n;
+    d->input = (struct pk_constant_input){d->u, m};
+    d->problem = (struct pk_problem){
+        .system = system, .params = d->params, .input = pk_constant_input, .context = &d->input};
+    for (size_t k = 0; k < tape->count; k++)
+        for (size_t i = 0; i < 2 * n; i++)
+            d->scale[i] = pk_max(d->scale[i], pk_abs(tape_row(tape, k)[TAPE_STATE + i]));
+    for (size_t half = 0; half < 2; half++) { /* a number that hardly moves takes part of others' */
+        const pk_real least = PART * pk_largest(d->scale + half * n, n);
+        for (size_t i = half * n; i < (half + 1) * n; i++)
+            d->scale[i] = pk_max(d->scale[i], least);
+    }
+}
+
+static pk_real *parameter(const struct differences *d, size_t k)
+{
+    const struct pk_parameter *of = &d->problem.system->parameters[k];
+    return (pk_real *)(void *)((char *)d->params + of->offset);
+}
+
+/* Returns the factor by which a displacement is small. */
+static pk_real small(const struct differences *d, const pk_real *row, const struct shift *shift)
+{
+    const struct pk_system *system = d->problem.system;
+    const pk_real h = d->run->settings.options.h > 0 ? d->run->settings.options.h
+                                                     : row[TAPE_T1] - row[TAPE_T0];
+    pk_real most = PART / PART_OF_STEP * pk_max(pk_abs(shift->t0), pk_abs(shift->t1)) / h;
+    const double *D = shift->D;
+    tape_params(d->run, row, d->params);
+    for (size_t i = 0; D && i < 2 * d->n; i++)
+        if (d->scale[i] > 0)
+            most = pk_max(most, pk_abs((pk_real)D[i]) / d->scale[i]);
+    for (size_t j = 0; D && j < system->n_inputs + system->n_parameters; j++) {
+        const pk_real x = j < system->n_inputs ? row[TAPE_STATE + 4 * d->n + j]
+                                               : *parameter(d, j - system->n_inputs);
+        const pk_real change = pk_abs((pk_real)D[2 * d->n + j]);
+        most = pk_max(most, x > 0 || x < 0 ? change / pk_abs(x) : change);
+    }
+    return most > 0 ? PART / most : PART;
+}
+
+/* Makes a step from (d->q, d->v) at t0 to t. */
+static enum pk_status step(struct differences *d, size_t row, pk_real t0, pk_real t, int moved)
+{
+    struct pk_integrator *it = &d->it;
+    const struct settings *s = &d->run->settings;
+    const int goes = t > t0 || t < t0;
+    const struct pk_options options = tape_options(d->run, goes ? pk_abs(t - t0) : 1);
+    enum pk_status status = PK_DONE;
+    if (!d->block) {
+        const size_t size = pk_integrator_size(&d->problem, s->method);
+        d->block = memory_take(&d->run->memory, size, 1);
+        const pk_real *start = tape_row(d->run->tape, row);
+        PK_TRY(pk_integrator_init(it, &d->problem, s->method, &options, start[TAPE_T0],
+                                  start + TAPE_STATE, start + TAPE_STATE + d->n, d->block, size));
+    }
+    if (moved && (it->problem.system->constraints.n || it->problem.system->n_rotations))
+        PK_TRY(pk_constraint_project(it, t0, d->q, d->v));
+    it->options = options;
+    it->count.steps = row; /* the same noise */
+    if (goes) {
+        PK_TRY(pk_integrator_reset(it, t0, d->q, d->v));
+        PK_TRY(pk_integrator_set_step(it, options.h));
+        status = pk_integrator_to(it, t);
+        memcpy(d->q, it->q, it->n_q * sizeof *d->q);
+        memcpy(d->v, it->v, it->n * sizeof *d->v);
+    }
+    return status;
+}
+
+static void place(struct differences *d, const pk_real *row)
+{
+    tape_params(d->run, row, d->params);
+    memcpy(d->q, row + TAPE_STATE, 2 * d->n * sizeof *d->q);
+    memcpy(d->u, row + TAPE_STATE + 4 * d->n, d->input.count * sizeof *d->u);
+}
+
+enum pk_status differences_step(struct differences *d, size_t row, pk_real t)
+{
+    const pk_real *at = tape_row(d->run->tape, row);
+    place(d, at);
+    return step(d, row, at[TAPE_T0], t, 0);
+}
+
+enum pk_status differences_find(struct differences *d, size_t row, pk_real t,
+                                const struct shift *shift, double *out)
+{
+    static const pk_real offset[] = {-2, -1, 1, 2}, weight[] = {1, -8, 8, -1};
+    const struct pk_system *system = d->problem.system;
+    const pk_real *at = tape_row(d->run->tape, row), by = small(d, at, shift);
+    const size_t n = d->n, m = system->n_inputs;
+    pk_zero(d->found, 2 * n);
+    for (size_t s = 0; s < 4; s++) {
+        const pk_real e = offset[s] * by;
+        place(d, at);
+        for (size_t i = 0; shift->D && i < 2 * n; i++)
+            d->q[i] += e * (pk_real)shift->D[i]; /* d->v follows d->q */
+        for (size_t j = 0; shift->D && j < m; j++)
+            d->u[j] += e * (pk_real)shift->D[2 * n + j];
+        for (size_t k = 0; shift->D && k < system->n_parameters; k++)
+            *parameter(d, k) += e * (pk_real)shift->D[2 * n + m + k];
+        if (shift->D && system->prepare(d->params))
+            return PK_OUT_OF_BOUNDS;
+        PK_TRY(step(d, row, at[TAPE_T0] + e * shift->t0, t + e * shift->t1, shift->D != NULL));
+        pk_add(d->found, weight[s] / (12 * by), d->q, 2 * n);
+    }
+    for (size_t i = 0; i < 2 * n; i++)
+        out[i] = i >= d->it.n_q && i < n ? 0 : (double)d->found[i];
+    return PK_DONE;
+}

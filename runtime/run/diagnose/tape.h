@@ -1,0 +1,55 @@
+/* The steps of a run, kept for its derivatives. */
+#ifndef RUN_DIAGNOSE_TAPE_H
+#define RUN_DIAGNOSE_TAPE_H
+
+#include "motion.h"
+
+/* A row of the tape, of `width` numbers: t0, t1, the mark of pk_run_tape(), q0, v0, q1, v1, the
+ * inputs, and, not in the caller's copy, the sides of switches. */
+enum { TAPE_T0, TAPE_T1, TAPE_MARK, TAPE_STATE };
+
+struct tape {
+    pk_real *rows, *now; /* `now`: the row of the next step */
+    size_t count, room, width, n_sides;
+    double *copy; /* for pk_run_tape() */
+    int caught;   /* whether a crossing in this step has set its end */
+};
+
+/* The numbers of row k. */
+static inline const pk_real *tape_row(const struct tape *tape, size_t k)
+{
+    return tape->rows + k * tape->width;
+}
+
+/* Sets a copy of the run's params, with the sides of switches in the step of a row. */
+void tape_params(const struct pk_run *run, const pk_real *row, void *params);
+/* Sets the options of one step of length h, whatever its error, of the run's method. */
+struct pk_options tape_options(const struct pk_run *run, pk_real h);
+
+/* A displacement of a step: dq and dv of its start (n numbers each), of the inputs, of the
+ * parameters, and of the times of its start and its end; D NULL: of the times only. */
+struct shift {
+    const double *D;
+    pk_real t0, t1;
+};
+
+/* Repeats steps of the tape with other starts, by the run's own method; see differences.c. */
+struct differences {
+    struct pk_run *run;
+    struct pk_problem problem;
+    struct pk_integrator it;
+    struct pk_constant_input input;
+    size_t n;
+    void *params, *block;
+    pk_real *q, *v, *u, *scale, *found;
+};
+
+void differences_make(struct differences *d, struct pk_run *run);
+/* Writes the derivative of the end of step `row`, which is at t, along a displacement: n numbers of
+ * q and n of v. Returns a status. */
+enum pk_status differences_find(struct differences *d, size_t row, pk_real t,
+                                const struct shift *shift, double *out);
+/* Makes the step from row's start to t without displacement. The result is d->q and d->v. */
+enum pk_status differences_step(struct differences *d, size_t row, pk_real t);
+
+#endif
