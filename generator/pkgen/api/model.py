@@ -197,14 +197,25 @@ class Model(Kernels):
         by = arguments.several(sensitivity)
         if by and computed:
             raise UsageError("sensitivity: inputs and controllers in Python have no derivatives")
-        return self._run(arguments.options(self, given), computed=computed, by=by)
+        result = self._run(arguments.options(self, given), computed=computed, by=by)
+        if by:
+            with in_words():
+                result.sensitivity.moved  # noqa: B018
+        return result
 
     def gradient(self, of: str, by: Names, **more: Any) -> dict[str, float]:
         """Returns the derivative of the last value of a column by parameters, inputs, and starts of
         coordinates and rates, by name; "t" is a column if an event ends the run. `more` are
         arguments of `run`. The derivative is that of the very steps. Raises as `run`."""
-        found = self.run(**more, sensitivity=by).sensitivity.of(of)[-1]
-        return dict(zip(arguments.several(by), map(float, found), strict=True))
+        from ..analysis.sensitivity.gradient import gradient
+
+        functions = [x for x in (more.get("inputs") or {}).values() if arguments.is_computed(x)]
+        if functions or {"controllers", "hold", "linear"} & more.keys():
+            raise UsageError("gradient: inputs and controllers in Python have no derivatives")
+        names = arguments.several(by)
+        result = self._run(arguments.options(self, more), by=names)
+        with in_words():
+            return gradient(result.sensitivity.tape, of, names, result.t[-1])
 
     def ensemble(
         self, table: Any, until: Value | None = None, *, threads: int | None = None, **more: Any

@@ -35,6 +35,12 @@ struct pk_options tape_options(const struct pk_run *run, pk_real h)
     return options;
 }
 
+int tape_is_cut(const struct pk_run *run, const pk_real *row, pk_real t)
+{
+    const pk_real h = run->settings.options.h, took = t - row[TAPE_T0];
+    return !pk_is_fixed(run->settings.method) || pk_abs(took - h) > PK_C(1e-6) * h;
+}
+
 static void make(struct tangent *x)
 {
     struct pk_run *run = x->run;
@@ -117,19 +123,11 @@ static enum pk_status varied(struct tangent *x, const pk_real *row, pk_real t)
     return PK_DONE;
 }
 
-/* Returns whether the end of a step to t is at a given time. The other steps have a given length,
- * so that they shift with the start. */
-static int is_cut(const struct tangent *x, const pk_real *row, pk_real t)
-{
-    const pk_real h = x->run->settings.options.h, took = t - row[TAPE_T0];
-    return !pk_is_fixed(x->run->settings.method) || pk_abs(took - h) > PK_C(1e-6) * h;
-}
-
 /* Propagates D through step k up to t. */
 static void go(struct tangent *x, size_t k, pk_real t)
 {
     const pk_real *row = tape_row(x->run->tape, k);
-    const int cut = is_cut(x, row, t);
+    const int cut = tape_is_cut(x->run, row, t);
     int shifts = 0;
     if (x->exact) {
         x->status = varied(x, row, t);

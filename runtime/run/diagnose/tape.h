@@ -26,6 +26,10 @@ void tape_params(const struct pk_run *run, const pk_real *row, void *params);
 /* Sets the options of one step of length h, whatever its error, of the run's method. */
 struct pk_options tape_options(const struct pk_run *run, pk_real h);
 
+/* Returns whether the end of a step to t is at a given time. The other steps have a given length,
+ * so that they shift with the start. */
+int tape_is_cut(const struct pk_run *run, const pk_real *row, pk_real t);
+
 /* A displacement of a step: dq and dv of its start (n numbers each), of the inputs, of the
  * parameters, and of the times of its start and its end; D NULL: of the times only. */
 struct shift {

@@ -1,8 +1,9 @@
 """A run whose steps are kept, and small displacements of it.
 
 A displacement is a vector (dq, dv, du, dp, dt): of the state (n numbers each, as in C), of the
-inputs, of the parameters, and of the times of fixed steps after an event. C propagates it through the steps (runtime/run/diagnose/tangent.c); here it
-passes the jumps between them, by the saltation matrix.
+inputs, of the parameters, and of the times of fixed steps after an event. C propagates it through
+the steps (runtime/run/diagnose/tangent.c); here it passes the jumps between them, by the saltation
+matrix.
 
 Reference: P. C. Müller, Chaos, Solitons and Fractals 5 (1995) 1671 (saltation).
 """
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from ctypes import POINTER, c_double, c_size_t
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -118,24 +120,24 @@ class Tape:
             known = [*q, *v, *inputs, *parameters]
             raise UsageError(f"by {name}: {near(name, known, 'parameter, start or input')}")
         if name in parameters:
-            d[2 * n + self.m : -1] = self._followed(d[2 * n + self.m : -1])
-            at = self.state(0, 0)
-            start = self.kernel("start_p", *at, 2 * n) @ d[2 * n + self.m : -1]
+            dp = d[2 * n + self.m : -1]
+            given = {i for i, _ in self.settings.parameters}
+            for i, slot in enumerate(self.equations.parameters):
+                if slot.follows and i not in given and not dp[i]:
+                    dp[i] = self._defaults[i] @ dp  # a default depends on earlier parameters only
+            start = self._starts @ dp
             start[[i for i, _ in self.settings.start_q]] = 0
             start[[n + i for i, _ in self.settings.start_v]] = 0
             d[: 2 * n] = start
         return d
 
-    def _followed(self, dp: NDArray[Any]) -> NDArray[Any]:
-        """Adds to a change of parameters that of those whose default values depend on them."""
-        slots = self.equations.parameters
-        given = {i for i, _ in self.settings.parameters}
-        if any(slot.follows for slot in slots):
-            slopes = self.kernel("default_p", *self.state(0, 0), self.p)
-            for i, slot in enumerate(slots):  # a default depends on earlier parameters only
-                if slot.follows and i not in given and not dp[i]:
-                    dp[i] = slopes[i] @ dp
-        return dp
+    @cached_property
+    def _defaults(self) -> NDArray[Any]:
+        return self.kernel("default_p", *self.state(0, 0), self.p)
+
+    @cached_property
+    def _starts(self) -> NDArray[Any]:
+        return self.kernel("start_p", *self.state(0, 0), 2 * self.n)
 
     # -- jumps ----------------------------------------------------------------------------------
 
@@ -188,7 +190,7 @@ class Tape:
         elif e.switches[mark - 1 - len(e.events)].impulse:
             raise UsageError(
                 f"at t = {self.rows[k][1]:.10g} rates jump at a switch of "
-                f"{e.switches[mark - 1 - len(e.events)].quantity.name}: no derivative is known there"
+                f"{e.switches[mark - 1 - len(e.events)].quantity.name}: no derivative is known"
             )
         if self.fixed:
             jump[-1] = of_time
@@ -220,6 +222,21 @@ class Tape:
             if not last:
                 D[:] = D @ self.saltation(end - 1).T
         return states, found
+
+    def backward(self, slope: NDArray[Any]) -> NDArray[Any] | None:
+        """Returns the derivative of a number by the displacement at the start, from that by the
+        displacement at the end, in one pass; None if the method does not go backwards."""
+        found, pieces = numpy.array(slope, float), [*self.pieces()]
+        shifts = self.fixed and len(pieces) > 1
+        for begin, end in reversed(pieces):
+            if end < len(self.rows):
+                found = found @ self.saltation(end - 1)
+            given = self.run._run, begin, end, shifts, _pointer(found)
+            status = self.run._c.pk_run_adjoint(*given)
+            if STATUSES[status] == "PK_REFUSED":
+                return None
+            self._done(status)
+        return found
 
     @property
     def stopped(self) -> bool:

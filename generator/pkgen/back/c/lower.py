@@ -257,6 +257,8 @@ def _local_names(equations: Equations) -> dict[Symbol, str]:
     own = equations.own
     accelerations = [replace(c, name=c.name + "''") for c in equations.coordinates[:own]]
     accelerations += [replace(x, name=x.name + "'") for x in equations.rates[own:]]
+    # The kernel `adjoint` has multipliers behind the accelerations.
+    accelerations += [replace(x, name=f"mu_{x.name}") for x in equations.coordinates]
     rows = [
         (Kind.COORDINATE, equations.coordinates[:own]),  # no integrals of states
         (Kind.RATE, equations.rates),

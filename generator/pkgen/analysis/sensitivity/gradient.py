@@ -1,0 +1,42 @@
+"""The derivative of the last value of a column: backwards if the method allows it, else forward."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy
+
+from .forward import Sensitivities, column
+from .tape import Tape
+
+
+def gradient(tape: Tape, of: str, by: Sequence[str], t: float) -> dict[str, float]:
+    """Returns the derivatives of the value at the end t of the run, by name. Raises UsageError,
+    NumericsFailed."""
+    starts = numpy.array([tape.started(name) for name in by]).reshape(len(by), tape.width)
+    slope = tape.backward(_at_end(tape, of)) if len(tape.rows) else None
+    if slope is None:
+        found = Sensitivities(tape, by, numpy.array([t])).of(of)[-1]
+    else:
+        found = starts @ slope
+    return dict(zip(by, map(float, found), strict=True))
+
+
+def _at_end(tape: Tape, of: str) -> numpy.ndarray:
+    """Returns the derivative of a column by the displacement before the end."""
+    last, n = len(tape.rows) - 1, 2 * tape.n
+    kind, k = column(tape, of)
+    row = numpy.zeros(tape.width)  # by (q, v, t, u, p)
+    if kind in ("q", "v"):
+        row[k + (tape.n if kind == "v" else 0)] = 1
+    elif kind == "t":
+        row[n] = 1
+    else:
+        name, rows = (
+            ("energy_d", 1) if kind == "energy" else ("out_d", len(tape.equations.observed))
+        )
+        row = tape.kernel(name, *tape.state(last, 1), rows)[k]
+    found = numpy.append(numpy.delete(row, n), 0.0)
+    if tape.stopped:
+        found += (row[:n] @ tape.ending(last) + row[n]) * tape.crossing(last)
+    return found

@@ -1,0 +1,195 @@
+/* The derivative of one number of a run by everything, backwards through the steps of the tape. The
+ * stages of each step are computed again. Explicit Runge-Kutta methods have
+ *
+ *     Y_i = y + h sum a_ij F(Y_j),   y1 = y + h sum b_i F(Y_i),
+ *     l_i = h (b_i lambda1 + sum_j a_ji m_j),   m_i = F'(Y_i)^T l_i,   lambda = lambda1 + sum m_i,
+ *
+ * and splitting methods kicks and drifts, in reverse order. The product F'^T l is that of the kernel
+ * `adjoint`, with mu from M mu = l. Reference: J. M. Sanz-Serna, SIAM Rev. 58 (2016) 3. */
+#include "../../src/core/internal.h"
+#include "../../src/core/tableau.h"
+#include "../settings/settings.h"
+#include "tape.h"
+
+/* largest number of stages */
+enum { MOST = 24 };
+
+struct adjoint {
+    struct pk_run *run;
+    const struct pk_system *system;
+    const struct pk_jacobian *kernel;
+    struct differences d;
+    size_t n, n_q, m; /* m: inputs and parameters */
+    void *params;
+    const pk_real *u;
+    pk_real *lambda; /* q, v, inputs and parameters */
+    pk_real *q, *k, *l, *moving, *M, *bars;
+    double *times; /* derivative of a step by its times */
+    enum pk_status status;
+    size_t begin, end;
+    double *out;
+    int shifts;
+};
+
+static void make(struct adjoint *x)
+{
+    struct pk_run *run = x->run;
+    const struct settings *s = &run->settings;
+    const size_t n = s->n, stages = MOST + 2;
+    x->system = s->system;
+    x->n = n;
+    x->n_q = settings_coordinates(s);
+    x->m = s->system->n_inputs + s->system->n_parameters;
+    x->kernel = run_jacobian(s->system, "adjoint");
+    x->params = memory_take(&run->memory, s->system->params_size, 1);
+    const size_t of_stages = 3 * stages * 2 * n;
+    x->q =
+        memory_take(&run->memory, of_stages + 2 * n + n * n + 2 * (2 * n + 1 + x->m), sizeof *x->q);
+    x->k = x->q + stages * 2 * n;
+    x->l = x->k + stages * 2 * n;
+    x->moving = x->l + stages * 2 * n;
+    x->M = x->moving + 2 * n;
+    x->bars = x->M + n * n;
+    x->lambda = x->bars + 2 * n + 1 + x->m;
+    x->times = memory_take(&run->memory, 2 * n, sizeof *x->times);
+    differences_make(&x->d, run);
+}
+
+/* Writes F = (q', v') of y = (q, v). */
+static int rates(struct adjoint *x, pk_real t, const pk_real *y, pk_real *F)
+{
+    pk_zero(F, x->n);
+    pk_copy(F, y + x->n, x->n_q);
+    return x->system->acceleration(x->params, t, y, y + x->n, x->u, F + x->n);
+}
+
+/* Writes F'^T l to `out` where a is the acceleration at y, and adds the derivatives of F.l by inputs
+ * and parameters to lambda. */
+static void pull(struct adjoint *x, pk_real t, const pk_real *y, const pk_real *a, const pk_real *l,
+                 pk_real *out)
+{
+    const size_t n = x->n;
+    pk_copy(x->moving, a, n);
+    pk_copy(x->moving + n, l + n, n);
+    x->system->mass(x->params, t, y, y + n, x->u, x->M);
+    if (pk_ldl_factor(x->M, n))
+        x->status = PK_SINGULAR_MASS;
+    pk_ldl_solve(x->M, n, x->moving + n);
+    x->kernel->moving(x->params, t, y, y + n, x->u, x->moving, x->bars);
+    pk_copy(out, x->bars, 2 * n);
+    pk_add(out + n, 1, l, x->n_q);
+    pk_add(x->lambda + 2 * n, 1, x->bars + 2 * n + 1, x->m);
+}
+
+static void runge_kutta(struct adjoint *x, const struct pk_tableau *table, const pk_real *row)
+{
+    const size_t n2 = 2 * x->n;
+    const int s = table->stages;
+    const pk_real t = row[TAPE_T0], h = row[TAPE_T1] - t, *a = table->a;
+    for (int i = 0; i < s; a += i++) {
+        pk_real *const Y = x->q + (size_t)i * n2;
+        pk_copy(Y, row + TAPE_STATE, n2);
+        for (int j = 0; j < i; j++)
+            pk_add(Y, h * a[j], x->k + (size_t)j * n2, n2);
+        if (rates(x, t + table->c[i] * h, Y, x->k + (size_t)i * n2))
+            x->status = PK_SINGULAR_MASS;
+    }
+    /* a points behind the last row; x->l has m_i */
+    for (int i = s; i-- > 0;) {
+        pk_real *const l = x->l + (size_t)s * n2, *const m = x->l + (size_t)i * n2;
+        for (size_t k = 0; k < n2; k++)
+            l[k] = h * table->b[i] * x->lambda[k];
+        for (int j = i + 1; j < s; j++)
+            pk_add(l, h * table->a[j * (j - 1) / 2 + i], x->l + (size_t)j * n2, n2);
+        pull(x, t + table->c[i] * h, x->q + (size_t)i * n2, x->k + (size_t)i * n2 + x->n, l, m);
+    }
+    for (int i = 0; i < s; i++)
+        pk_add(x->lambda, 1, x->l + (size_t)i * n2, n2);
+}
+
+/* A step of a splitting method of a separable system: forces do not depend on rates. */
+static void splitting(struct adjoint *x, const struct pk_splitting *table, const pk_real *row)
+{
+    const size_t n = x->n, n2 = 2 * n;
+    const pk_real h = row[TAPE_T1] - row[TAPE_T0];
+    pk_real t = row[TAPE_T0], *l = x->l, *m = l + n2, *y = x->q;
+    pk_copy(y, row + TAPE_STATE, n2);
+    for (int i = 0; i <= table->stages; i++) {
+        pk_real *const next = y + n2, *const k = x->k + (size_t)i * n2;
+        const int kicks = table->kick[i] > 0 || table->kick[i] < 0;
+        if (kicks && rates(x, t, y, k))
+            x->status = PK_SINGULAR_MASS;
+        if (i == table->stages)
+            break;
+        pk_copy(next, y, n2);
+        if (kicks)
+            pk_add(next + n, h * table->kick[i], k + n, n);
+        pk_add(next, h * table->drift[i], next + n, x->n_q);
+        t += h * table->drift[i];
+        y = next;
+    }
+    for (int i = table->stages; i >= 0; i--) {
+        y = x->q + (size_t)i * n2;
+        if (table->kick[i] > 0 || table->kick[i] < 0) {
+            pk_zero(l, n2);
+            pk_add(l + n, h * table->kick[i], x->lambda + n, n);
+            pull(x, t, y, x->k + (size_t)i * n2 + n, l, m);
+            pk_add(x->lambda, 1, m, n2);
+        }
+        if (i > 0) {
+            pk_add(x->lambda + n, h * table->drift[i - 1], x->lambda, x->n_q);
+            t -= h * table->drift[i - 1];
+        }
+    }
+}
+
+static void steps(void *context)
+{
+    struct adjoint *x = context;
+    make(x);
+    const struct settings *s = &x->run->settings;
+    const struct pk_system *system = x->system;
+    const size_t n2 = 2 * x->n;
+    const struct pk_tableau *table = pk_explicit_table(s->method);
+    const struct pk_splitting *kicks = pk_splitting_table(s->method);
+    const int splits = kicks && system->facts & PK_SEPARABLE && kicks->stages <= MOST;
+    const int takes = table || (splits && !(s->method->traits & PK_LINEAR));
+    if (!x->kernel || !takes || s->method->traits & (PK_GROUP | PK_NOISE | PK_HOLONOMIC) ||
+        s->method->needs & PK_FAST || system->constraints.n || system->n_rotations) {
+        x->status = PK_REFUSED;
+        return;
+    }
+    for (size_t i = 0; i < n2 + x->m; i++)
+        x->lambda[i] = (pk_real)x->out[i];
+    for (size_t k = x->end; k-- > x->begin && x->status >= 0;) {
+        const pk_real *row = tape_row(x->run->tape, k);
+        if (!(row[TAPE_T1] > row[TAPE_T0]))
+            continue;
+        const int cut = tape_is_cut(x->run, row, row[TAPE_T1]);
+        const struct shift shift = {NULL, 1, cut ? 0 : 1};
+        if (cut)
+            x->out[n2 + x->m] = 0;
+        if (x->shifts && (cut || !(system->facts & PK_AUTONOMOUS)))
+            x->status = differences_find(&x->d, k, row[TAPE_T1], &shift, x->times);
+        for (size_t i = 0; i < n2 && x->shifts; i++)
+            x->out[n2 + x->m] += (double)x->lambda[i] * x->times[i];
+        pk_zero(x->bars, n2);
+        tape_params(x->run, row, x->params);
+        x->u = row + TAPE_STATE + 2 * n2;
+        if (table)
+            runge_kutta(x, table, row);
+        else
+            splitting(x, kicks, row);
+        memset(x->times, 0, n2 * sizeof *x->times);
+    }
+    for (size_t i = 0; i < n2 + x->m; i++)
+        x->out[i] = (double)x->lambda[i];
+}
+
+int pk_run_adjoint(struct pk_run *run, size_t begin, size_t end, int shifts, double *lambda)
+{
+    struct adjoint x = {.run = run, .begin = begin, .end = end, .shifts = shifts, .out = lambda};
+    const int done = memory_try(&run->memory, steps, &x);
+    pk_integrator_free(&x.d.it);
+    return done ? x.status : PK_NO_MEMORY;
+}
