@@ -15,7 +15,6 @@ void differences_make(struct differences *d, struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     const struct pk_system *system = s->system;
-    const struct tape *tape = run->tape;
     const size_t n = s->n, m = system->n_inputs;
     memset(d, 0, sizeof *d);
     d->run = run;
@@ -29,10 +28,19 @@ void differences_make(struct differences *d, struct pk_run *run)
     d->input = (struct pk_constant_input){d->u, m};
     d->problem = (struct pk_problem){
         .system = system, .params = d->params, .input = pk_constant_input, .context = &d->input};
+}
+
+/* Finds the largest size of each number of the state. A number that hardly moves takes part of that
+ * of others. */
+static void measure(struct differences *d)
+{
+    const struct tape *tape = d->run->tape;
+    const size_t n = d->n;
     for (size_t k = 0; k < tape->count; k++)
         for (size_t i = 0; i < 2 * n; i++)
             d->scale[i] = pk_max(d->scale[i], pk_abs(tape_row(tape, k)[TAPE_STATE + i]));
-    for (size_t half = 0; half < 2; half++) { /* a number that hardly moves takes part of others' */
+    d->measured = 1;
+    for (size_t half = 0; half < 2; half++) {
         const pk_real least = PART * pk_largest(d->scale + half * n, n);
         for (size_t i = half * n; i < (half + 1) * n; i++)
             d->scale[i] = pk_max(d->scale[i], least);
@@ -46,13 +54,15 @@ static pk_real *parameter(const struct differences *d, size_t k)
 }
 
 /* Returns the factor by which a displacement is small. */
-static pk_real small(const struct differences *d, const pk_real *row, const struct shift *shift)
+static pk_real small(struct differences *d, const pk_real *row, const struct shift *shift)
 {
     const struct pk_system *system = d->problem.system;
     const pk_real h = d->run->settings.options.h > 0 ? d->run->settings.options.h
                                                      : row[TAPE_T1] - row[TAPE_T0];
     pk_real most = PART / PART_OF_STEP * pk_max(pk_abs(shift->t0), pk_abs(shift->t1)) / h;
     const double *D = shift->D;
+    if (!d->measured)
+        measure(d);
     tape_params(d->run, row, d->params);
     for (size_t i = 0; D && i < 2 * d->n; i++)
         if (d->scale[i] > 0)

@@ -44,6 +44,7 @@ struct differences {
     struct pk_integrator it;
     struct pk_constant_input input;
     size_t n;
+    int measured; /* whether `scale` is known */
     void *params, *block;
     pk_real *q, *v, *u, *scale, *found;
 };

@@ -43,9 +43,7 @@ def _rows(e: Equations, name: str) -> Row:
     """Returns the rows: r = f - M a with a held, the outputs, the values after events (q, v, u),
     p and pdot, ..."""
     if name == "reset":
-        hidden = len(e.coordinates) - e.own
-        starts = [(row[: e.own], row[e.own + hidden :]) for row in e.resets]
-        return tuple(chain.from_iterable(chain.from_iterable(starts)))
+        return tuple(chain.from_iterable(map(e.after, e.resets)))
     of = {
         "r": lambda: residual(e.graph, e.force, e.mass),
         "out": lambda: e.observed,

@@ -1,0 +1,112 @@
+"""Derivatives of runs, forward and backward, against differences of whole runs and closed forms."""
+
+from __future__ import annotations
+
+import math
+import random
+import sys
+from pathlib import Path
+
+import numpy
+import pytest
+
+import pkgen as package
+from conftest import ROOT, seeds, written
+
+sys.path.insert(0, str(Path(__file__).parent))
+from test_linear import drawn, slope
+
+UNTIL = 1.5
+FREE = ["rk4", "dop853", "dopri5", "gauss4", "lobatto3", "radau5", "gauss", "radau", "heun"]
+TURNING = ["rk4", "dop853", "rkmk4", "lie_midpoint", "rattle", "gauss2", "gauss"]
+SEPARABLE = ["verlet", "kahan_li8", "yoshida4", "lie_midpoint4", "rk3", "boris", "stochastic_verlet"]
+ADAPTIVE = ("dop853", "dopri5", "gauss", "radau")
+
+
+def options(method: str) -> dict[str, object]:
+    if method in ADAPTIVE:
+        return {"method": method, "rtol": 1e-9 if method == "radau" else 1e-13}
+    return {"method": method, "step": 0.02}
+
+
+def with_kinks(text: str, chance: random.Random) -> str:
+    """Adds forces with kinks and jumps, and an event after which the motion goes on otherwise."""
+    edge = chance.uniform(-0.3, 0.3)
+    text += f"force q0 = -{chance.uniform(0.5, 2):.3f}*k0*abs(q0 - {edge:.3f})\n"
+    text += f"force q0 = 0.4*k1*step(q0 - {chance.uniform(-0.5, 0.5):.3f}*k2)\n"
+    place = chance.uniform(0.0, 0.4)
+    then = f"q0' = q0' - 0.3*k1, q0 = q0 + 0.02*k0*(1 + t)"
+    return text + f"event bump: q0 + 0.2*sin(t)*k2 > {place:.3f} then {then}\n"
+
+
+def separable(chance: random.Random) -> str:
+    text = "model apart\nparam k0 = 1.2\nparam k1 = 0.7\nparam k2 = 0.9\ncoord q0, q1\ninput u0\n"
+    text += f"kinetic k0*q0'^2 + 0.6*q1'^2 + {chance.uniform(0.1, 0.4):.3f}*k2*q0'*q1'\n"
+    text += "potential k1*q0^4/4 + q1^2 + k2*sin(q0 + q1)\nforce q1 = u0*cos(2*t)*q0\n"
+    text += f"start q0 = 0.5*k1\nstart q1 = {chance.uniform(-1, 1):.3f}\nstart q0' = 0.4\n"
+    return text + "observe a = k1*q0*q1'^2 + u0\nobserve b = q0*exp(k2*q1/5)\n"
+
+
+def bound(chance: random.Random) -> str:
+    text = "model tied\nparam k0 = 1.2\nparam k1 = 0.7\nparam k2 = 1.1\ncoord x, y, z\ninput u0\n"
+    text += "kinetic k0*(x'^2 + y'^2 + z'^2)/2 + k1*x*z'*y'/5\npotential k1*y + 0.3*z^2\n"
+    text += "constraint rod: x^2 + y^2 + 0.1*z = k2^2\n"
+    text += "rolling v: z' = 0.2*k1*x'\n" if chance.random() < 0.5 else ""
+    text += "force x = u0*y\nstart x = k2\nstart y' = 0.3*k0\n"
+    return text + "observe a = k1*x*y'\nobserve b = y + z\n"
+
+
+def differences(model: package.api.model.Model, of: list[str], by: str, **how: object):
+    """The derivatives of columns, at the middle and the end of a run, by differences of runs."""
+    starts = dict(zip((*model.coordinates, *model.rates), model.start, strict=True))
+
+    def values(x: float) -> numpy.ndarray:
+        more: dict[str, object] = {}
+        if by in model.params:
+            model.params[by] = x
+        else:
+            more = {"start" if by in starts else "inputs": {by: x}}
+        run = model.run(UNTIL, every=UNTIL / 2, **how, **more)
+        model.params.update(kept)
+        return numpy.array([run[name][1:] for name in of])
+
+    kept = {by: model.params[by]} if by in model.params else {}
+    return slope(values, kept.get(by, starts.get(by, 0.0)), 1.0, 1e-3)
+
+
+def compared(model: package.api.model.Model, by: list[str], **how: object) -> None:
+    of = ["a", "b", model.coordinates[0], "energy"]
+    run = model.run(UNTIL, every=UNTIL / 2, sensitivity=by, **how)
+    # A neighbour of a run with adaptive steps takes other steps.
+    close = 1e-9 if "step" in how else 1e-6 if how["method"] == "radau" else 2e-8
+    for name in by:
+        mine = numpy.array([run.sensitivity[column, name][1:] for column in of])
+        theirs = differences(model, of, name, **how)
+        assert mine == pytest.approx(theirs, rel=close, abs=close * max(1, abs(theirs).max())), (name, how)
+    for k, column in enumerate(of):
+        back = model.gradient(column, by, until=UNTIL, every=UNTIL / 2, **how)
+        forward = [run.sensitivity[column, name][-1] for name in by]
+        assert [*back.values()] == pytest.approx(forward, rel=1e-9, abs=1e-9), k
+
+
+@pytest.mark.parametrize("seed", seeds([0, 1, 2, 3], 100))
+def test_random_models(seed: int, tmp_path: Path) -> None:
+    chance = random.Random(seed)
+    kind = seed % 4
+    by = ["k0", "k1", "k2", "u0"]
+    if kind == 0:
+        text, methods = separable(chance), SEPARABLE
+        by += ["q1", "q0'"]
+    elif kind == 1:
+        text = bound(chance)
+        methods = ["rk4", "dop853", "gauss2", "gauss"] if "rolling" in text else TURNING
+    else:
+        text, _, u = drawn(chance)
+        methods = TURNING if "rotation" in text else FREE
+        by += ["q0", "q0'", *(["s"] if "state s" in text else [])]
+        if kind == 3:
+            text = with_kinks(text, chance)
+            methods = ["rk4", "dop853", "gauss4"]
+    model = package.load(written(tmp_path, text))
+    for method in chance.sample(methods, 2):
+        compared(model, by, **options(method))
