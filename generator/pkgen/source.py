@@ -78,7 +78,10 @@ class Source:
 
     def with_options(self, scene: str, clauses: Iterable[str]) -> Source:
         """Returns the source with the command line's clauses appended as a scene named `scene`."""
-        more = "\n".join((f"scene {scene}", *clauses, "end", ""))
+        return self.with_lines("\n".join((f"scene {scene}", *clauses, "end", "")))
+
+    def with_lines(self, more: str) -> Source:
+        """Returns the source with lines of the command line appended."""
         options = Piece(len(self.text) + 1, "command line")
         return Source(self.path, f"{self.text}\n{more}", (*self.pieces, options))
 

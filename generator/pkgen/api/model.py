@@ -6,6 +6,7 @@ import argparse
 import os
 import warnings
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -86,6 +87,7 @@ class Model(Kernels):
         self.path, self.scene = os.fspath(path), scene
         self._sizes = lengths.given([f"{name}={length}" for name, length in sizes.items()])
         self._made: dict[object, Compilation] = {}
+        self._more = ""  # lines behind those of the file
         self._warned: set[str] = set()
         self.params = Parameters(self, self._forget)
         self.tables = Tables(self, self._compile_anew)
@@ -100,6 +102,7 @@ class Model(Kernels):
 
     def _compiled(self, options: argparse.Namespace, **how: Any) -> Compilation:
         source = read(self.path)
+        source = source.with_lines(self._more) if self._more else source
         own = own_methods(options)
         key = (source, repr(sorted(vars(options).items())), how.get("kernels"), own)
         if key not in self._made:
@@ -119,6 +122,17 @@ class Model(Kernels):
     def _forget(self) -> None:
         self.__dict__.pop("_handle", None)
 
+    def extended(self, lines: str, tables: Mapping[str, Any]) -> Model:
+        """Returns a copy with lines behind those of the file, and with the arrays of tables."""
+        other = copy(self)
+        other._made, other._more = {}, f"{self._more}{lines}"
+        other.__dict__.pop("compilation", None)
+        other._forget()
+        other.params, other.tables = Parameters(other, other._forget), Tables(other, other._forget)
+        other.params._set.update(self.params._set)
+        other.tables._set.update({**self.tables._set, **tables})
+        return other
+
     @property
     def name(self) -> str:
         return self.compilation.model.name
@@ -135,6 +149,16 @@ class Model(Kernels):
     @property
     def scenes(self) -> tuple[str, ...]:
         return tuple(s.name for s in self.compilation.declared.scenes if s.listed)
+
+    def __getattr__(self, name: str) -> Any:
+        """Returns a method that an add-on brings."""
+        from functools import partial
+
+        from ..system import addons
+
+        if name.startswith("_") or name not in addons.points("methods"):
+            raise AttributeError(f"a model has no attribute {name!r}")
+        return partial(addons.load("methods", name), self)
 
     # -- runs ---------------------------------------------------------------------------------
 
@@ -242,7 +266,7 @@ class Model(Kernels):
             options.no_reduce = "all"  # input functions get q and v of the whole model
         errors: list[BaseException] = []
         if by:
-            prepared, more = self._taped(options), {"tape": 1}
+            prepared, more = self.taped(options), {"tape": 1}
         else:
             prepared = prepare(options, self._compiled, table).built()
             more = computed.settings(prepared, errors) if computed else {}
@@ -270,7 +294,7 @@ class Model(Kernels):
             result.sensitivity = Sensitivities(Tape(prepared, done), by, result.t)
         return result
 
-    def _taped(self, options: argparse.Namespace) -> Prepared:
+    def taped(self, options: argparse.Namespace) -> Prepared:
         """Prepares a run whose steps are kept, for its derivatives."""
         from ..analysis.sensitivity import tape
 

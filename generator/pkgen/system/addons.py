@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 KINDS = {
     "commands": "a module with arguments(), run() and EXAMPLES; its package has the row, COMMANDS",
     "exports": "a Host of back/exported.py, by the name that --as takes",
+    "methods": "a function of a Model, its method in Python: fit",
     "options": "a module with arguments(), for the command before the dot: run.enclose",
     "folders": "a module with is_one(), picture(), taken(): a folder in place of a model",
     "pages": "a module with html(), by the command and option that write the page: run.report",

@@ -129,11 +129,8 @@ static void go(struct tangent *x, size_t k, pk_real t)
     const pk_real *row = tape_row(x->run->tape, k);
     const int cut = tape_is_cut(x->run, row, t);
     int shifts = 0;
-    if (x->exact) {
+    if (x->exact)
         x->status = varied(x, row, t);
-        if (x->status == PK_REFUSED)
-            x->exact = 0, x->status = PK_DONE;
-    }
     for (size_t c = 0; c < x->columns; c++) {
         double *D = x->D + c * x->wide, *dt = D + x->wide - 1;
         const int shifted = *dt < 0 || *dt > 0;
@@ -166,6 +163,20 @@ static void write(struct tangent *x, size_t k, pk_real t, double *out)
         memcpy(out + (c + 1) * 2 * n, x->D + c * x->wide, 2 * n * sizeof *out);
 }
 
+/* Writes the state and the displacements at t inside step k, which has been made, by its dense
+ * output. */
+static void interpolate(struct tangent *x, pk_real t, double *out)
+{
+    struct variation *w = &x->w;
+    const size_t n = x->n, n_q = w->n_q;
+    x->status = pk_integrator_dense(&w->motion.it, t, w->Q, w->V);
+    for (size_t c = 0; c <= x->columns; c++, out += 2 * n)
+        for (size_t i = 0; i < n; i++) {
+            out[i] = i < n_q ? (double)w->Q[c * n_q + i] : 0;
+            out[n + i] = (double)w->V[variation_place(w, c, i)];
+        }
+}
+
 static void steps(void *context)
 {
     struct tangent *x = context;
@@ -173,10 +184,28 @@ static void steps(void *context)
     const size_t width = (1 + x->columns) * 2 * x->n, size = x->columns * x->wide;
     double *kept = memory_take(&x->run->memory, size + 1, sizeof *kept);
     size_t done = 0;
+    for (size_t k = x->begin; k < x->end && x->exact; k++) { /* does the method take them? */
+        const pk_real *row = tape_row(x->run->tape, k);
+        if (!(row[TAPE_T1] > row[TAPE_T0]))
+            continue;
+        memcpy(kept, x->D, size * sizeof *kept);
+        x->exact = varied(x, row, row[TAPE_T1]) != PK_REFUSED;
+        memcpy(x->D, kept, size * sizeof *kept);
+        break;
+    }
     for (size_t k = x->begin; k < x->end && x->status >= 0; k++) {
         const pk_real t0 = tape_row(x->run->tape, k)[TAPE_T0];
         const pk_real t1 = tape_row(x->run->tape, k)[TAPE_T1];
-        for (; done < x->n_times && (pk_real)x->times[done] < t1; done++) {
+        int made = 0;
+        const int inside = done < x->n_times && (pk_real)x->times[done] > t0 &&
+                           (pk_real)x->times[done] < t1;
+        if (inside && x->exact && x->run->settings.method->traits & PK_DENSE) {
+            go(x, k, t1);
+            made = 1;
+        }
+        for (; made && x->status >= 0 && done < x->n_times && (pk_real)x->times[done] < t1; done++)
+            interpolate(x, (pk_real)x->times[done], x->out + done * width);
+        for (; x->status >= 0 && done < x->n_times && (pk_real)x->times[done] < t1; done++) {
             const pk_real t = (pk_real)x->times[done];
             memcpy(kept, x->D, size * sizeof *kept);
             if (t > t0)
@@ -184,7 +213,7 @@ static void steps(void *context)
             write(x, k, t, x->out + done * width);
             memcpy(x->D, kept, size * sizeof *kept);
         }
-        if (t1 > t0 && x->status >= 0)
+        if (t1 > t0 && x->status >= 0 && !made)
             go(x, k, t1);
         for (; done < x->n_times && (pk_real)x->times[done] <= t1; done++)
             write(x, k, t1, x->out + done * width);

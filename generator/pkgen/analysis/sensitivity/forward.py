@@ -91,6 +91,18 @@ class Sensitivities:
             return self._energy
         return self.moved[1][:, :, k + (self.tape.n if kind == "v" else 0)]
 
+    def values(self, name: str) -> NDArray[Any]:
+        """Returns a column at the rows, of shape (rows,)."""
+        kind, k = column(self.tape, name)
+        n, states = self.tape.n, self.moved[0]
+        if kind == "t":
+            return self._t
+        if kind in ("q", "v"):
+            return states[:, k + (n if kind == "v" else 0)]
+        kernel = {"observed": "outputs", "energy": "energy"}[kind]
+        given = self._t, states[:, :n], states[:, n:], self._inputs
+        return self.tape.run.evaluate(kernel, *given)[:, k]
+
     def __getitem__(self, key: tuple[str, str]) -> NDArray[Any]:
         of, by = key
         if by not in self.by:

@@ -143,8 +143,24 @@ class Tape:
 
     def pieces(self) -> Iterator[tuple[int, int]]:
         """Yields the first row and the row after the last one of each part without a jump."""
-        ends = [k + 1 for k, row in enumerate(self.rows[:-1]) if row[2]] + [len(self.rows)]
+        ends = [*(k + 1 for k in self._jumps), len(self.rows)]
         yield from zip([0, *ends[:-1]], ends, strict=True)
+
+    @cached_property
+    def _jumps(self) -> list[int]:
+        """The rows that end with a jump. Where switches depend on t alone, as at the knots of a
+        table, neighbours cross at the same time, so that nothing jumps."""
+        e, n = self.equations, self.n
+        found = numpy.flatnonzero(self.rows[:-1, 2])
+        switch = self.rows[found, 2].astype(int) - 1 - len(e.events)
+        if not len(found) or (switch < 0).all():
+            return found.tolist()
+        of = self.rows[found]
+        q, v, u = numpy.split(of[:, 3 + 2 * n :], [n, 2 * n], axis=1)
+        slopes = self.run.evaluate("switch_d", of[:, 1], q, v, u)
+        rows = slopes.reshape(len(found), len(e.switches), -1)[numpy.arange(len(found)), switch]
+        rows[:, 2 * n] = 0
+        return found[(switch < 0) | rows.any(axis=1)].tolist()
 
     def crossing(self, k: int) -> NDArray[Any]:
         """Returns the derivative of the time of the crossing at the end of a row, by a displacement
