@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
@@ -31,7 +32,7 @@ from ..scenes.compile_plan import whole
 from ..scenes.scene import chosen
 from ..scenes.scene import values as scene_values
 from ..scenes.swarm import Arrays
-from ..system.exits import INTERRUPTED, USAGE
+from ..system.exits import INTERRUPTED, USAGE, NumericsFailed
 from ..system.near import near
 from . import arguments
 from .arguments import Files, Names, Value, Weights, in_words
@@ -62,6 +63,15 @@ def load(
     that replace those in the file. `allow_path` are folders, besides the model's own, whose files
     the model may read. Raises ModelError with the positions of errors."""
     return Model(path, scene, {} if sizes is None else sizes, allow_path)
+
+
+@contextmanager
+def _of(result: Result) -> Iterator[None]:
+    """Raises failures of derivatives as RunError with the result of the run."""
+    try:
+        yield
+    except NumericsFailed as error:
+        raise RunError(str(error), "", result.t[-1] if len(result) else 0.0, result) from None
 
 
 class Model(Kernels):
@@ -223,7 +233,7 @@ class Model(Kernels):
             raise UsageError("sensitivity: inputs and controllers in Python have no derivatives")
         result = self._run(arguments.options(self, given), computed=computed, by=by)
         if by:
-            with in_words():
+            with in_words(), _of(result):
                 result.sensitivity.moved  # noqa: B018
         return result
 
@@ -238,7 +248,7 @@ class Model(Kernels):
             raise UsageError("gradient: inputs and controllers in Python have no derivatives")
         names = arguments.several(by)
         result = self._run(arguments.options(self, more), by=names)
-        with in_words():
+        with in_words(), _of(result):
             return gradient(result.sensitivity.tape, of, names, result.t[-1])
 
     def ensemble(

@@ -13,6 +13,7 @@ struct tangent {
     int exact;                  /* whether variational equations are used */
     size_t n, columns, m, wide; /* m: inputs and parameters; wide: numbers in a column of D */
     void *params;               /* a copy with the sides of switches */
+    struct pk_constant_input inputs;
     pk_real *du;
     double *along; /* the derivative of a step by its times */
     enum pk_status status;
@@ -47,7 +48,9 @@ static void make(struct tangent *x)
     const struct settings *s = &run->settings;
     const struct pk_system *system = s->system;
     const unsigned traits = s->method->traits;
-    struct pk_problem problem = {.system = system, .input = pk_constant_input};
+    struct pk_problem problem = {
+        .system = system, .input = pk_constant_input, .context = &x->inputs};
+    x->inputs.count = system->n_inputs;
     struct motion motion = {
         .problem = &problem, .method = s->method, .sided = 1, .memory = &run->memory};
     x->params = memory_take(&run->memory, system->params_size, 1);
@@ -104,8 +107,7 @@ static void take(struct tangent *x)
 static enum pk_status varied(struct tangent *x, const pk_real *row, pk_real t)
 {
     struct motion *m = &x->w.motion;
-    struct pk_constant_input held = {row + TAPE_STATE + 4 * x->n, x->w.of.system->n_inputs};
-    x->w.of.context = x->w.problem.context = &held;
+    x->inputs.u = row + TAPE_STATE + 4 * x->n;
     place(x, row);
     m->t = row[TAPE_T0];
     m->options = tape_options(x->run, t - m->t);

@@ -31,7 +31,7 @@ from ...system.near import near
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-GRAZES = 1e-7  # relative rate at which an event function is crossed: a slower crossing grazes
+GRAZES = 1e-6  # a crossing at a rate below this, relative to the motion, grazes
 
 
 def kernels() -> frozenset[str]:
@@ -162,6 +162,14 @@ class Tape:
         rows[:, 2 * n] = 0
         return found[(switch < 0) | rows.any(axis=1)].tolist()
 
+    @cached_property
+    def _rate_scale(self) -> NDArray[Any]:
+        """The largest size of each of (q', v') in the motion."""
+        n = self.n
+        took = numpy.maximum(self.rows[:, 1] - self.rows[:, 0], 1e-300)[:, None]
+        moved = self.rows[:, 3 + 2 * n : 3 + 4 * n] - self.rows[:, 3 : 3 + 2 * n]
+        return abs(moved / took).max(axis=0, initial=0.0)
+
     def crossing(self, k: int) -> NDArray[Any]:
         """Returns the derivative of the time of the crossing at the end of a row, by a displacement
         there. Raises NumericsFailed at a grazing."""
@@ -179,7 +187,7 @@ class Tape:
         row, f = self.kernel(name, *at, rows)[which], self.ending(k)
         n = 2 * self.n
         rate = row[:n] @ f + row[n]
-        size = abs(row[:n]) @ abs(f) + abs(row[n])
+        size = abs(row[:n]) @ self._rate_scale + abs(row[n])
         if not abs(rate) > GRAZES * size:
             raise NumericsFailed(
                 f"at t = {at[0]:.10g} the motion grazes {of[which].name}: it has no derivative "
