@@ -12,7 +12,7 @@ from pkgen.plot import style
 from pkgen.run.values import assignment
 from pkgen.system.exits import DONE, UsageError
 
-from .fit import fit, read_number
+from .fit import fitted, read_number
 from .search import TRIES
 
 EXAMPLES = """
@@ -67,20 +67,15 @@ def run(options: argparse.Namespace) -> int:
         return found
 
     of_run = {k: getattr(options, k) for k in ("method", "step", "rtol")}
-    found = fit(
-        model,
-        options.data,
-        _names(options.free),
-        _names(options.free_start),
-        bounds={k: (a, b) for k, (a, b) in each("--bound", ":").items()},
-        priors={k: (a, b) for k, (a, b) in each("--prior", "+-").items()},
-        sigma={k: a for k, (a,) in each("--sigma", "").items()},
-        huber=options.huber,
-        tries=TRIES if options.tries is None else options.tries,
-        start=start,
-        inputs=inputs,
-        **{k: x for k, x in of_run.items() if x is not None},
-    )
+    known = {
+        "bounds": {k: (a, b) for k, (a, b) in each("--bound", ":").items()},
+        "priors": {k: (a, b) for k, (a, b) in each("--prior", "+-").items()},
+        "sigma": {k: a for k, (a,) in each("--sigma", "").items()},
+    }
+    more = {"start": start, "inputs": inputs, **{k: x for k, x in of_run.items() if x is not None}}
+    free = _names(options.free), _names(options.free_start)
+    tries = TRIES if options.tries is None else options.tries
+    found = fitted(model, options.data, *free, known, options.huber, tries, more)
     print(json.dumps(found.record(), indent=1) if options.json else found.text(), end="")
     if options.o:
         kind = options.o.rpartition(".")[2]

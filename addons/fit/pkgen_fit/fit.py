@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -50,31 +51,37 @@ def fit(
     count less. `tries` are starts besides that of the model. `more` are arguments of Model.run().
 
     Raises UsageError, RunError."""
-    several = data if isinstance(data, list | tuple) else [data]
     with in_words():
-        compilation = model.compilation
-        experiments = [read(one, compilation) for one in several]
-        problem = _problem(
-            model,
-            experiments,
-            arguments.several(free),
-            arguments.several(free_start),
-            dict(bounds or {}),
-            dict(priors or {}),
-            dict(sigma or {}),
-            more,
-        )
-        given = set(sigma or {})
-        x = solve(problem, tries, huber)
-        estimated = [name for name in problem.columns if name not in given]
-        for _ in range(ROUNDS if estimated else 0):
-            before, rms = dict(problem.scale), problem.rms(x)
-            for name in estimated:
-                problem.scale[name] = max(rms[name], LEAST * _size(experiments, name))
-            if all(abs(problem.scale[n] / before[n] - 1) < 1e-3 for n in estimated):
-                break
-            x = _again(problem, x, huber)
-        return Fitted(problem, x, bool(estimated))
+        wanted = {"bounds": bounds, "priors": priors, "sigma": sigma}
+        known = {k: dict(x or {}) for k, x in wanted.items()}
+        several = data if isinstance(data, list | tuple) else [data]
+        names = arguments.several(free), arguments.several(free_start)
+        return fitted(model, several, *names, known, huber, tries, more)
+
+
+def fitted(
+    model: Model,
+    data: Sequence[Any],
+    free: Sequence[str],
+    free_start: Sequence[str],
+    known: Mapping[str, dict[str, Any]],
+    huber: bool,
+    tries: int,
+    more: dict[str, Any],
+) -> Fitted:
+    """Does the work of fit(); `known` has bounds, priors and sigma. Messages name options."""
+    experiments = [read(one, model.compilation) for one in data]
+    problem = _problem(model, experiments, free, free_start, **known, more=more)
+    x = solve(problem, tries, huber)
+    estimated = [name for name in problem.columns if name not in known["sigma"]]
+    for _ in range(ROUNDS if estimated else 0):
+        before, rms = dict(problem.scale), problem.rms(x)
+        for name in estimated:
+            problem.scale[name] = max(rms[name], LEAST * _size(experiments, name))
+        if all(abs(problem.scale[n] / before[n] - 1) < 1e-3 for n in estimated):
+            break
+        x = _again(problem, x, huber)
+    return Fitted(problem, x, bool(estimated))
 
 
 def _again(problem: Problem, x: numpy.ndarray, huber: bool) -> numpy.ndarray:
@@ -93,8 +100,8 @@ def _size(experiments: Sequence[Experiment], name: str) -> float:
 def _problem(
     model: Model,
     experiments: Sequence[Experiment],
-    free: list[str],
-    free_start: list[str],
+    free: Sequence[str],
+    free_start: Sequence[str],
     bounds: dict[str, tuple[float, float]],
     priors: dict[str, tuple[float, float]],
     sigma: dict[str, float],
@@ -126,7 +133,9 @@ def _problem(
         end = float(e.t[-1])
         options = arguments.options(of, {**more, "until": end, "every": end})
         options.set += sets
-        runs.append(of.taped(options))
+        with warnings.catch_warnings():  # of lines that a scene alone uses
+            warnings.simplefilter("ignore")
+            runs.append(of.taped(options))
     scale = {name: sigma.get(name) or _size(experiments, name) for name in sorted(columns)}
     problem = Problem(runs, experiments, unknowns, scale)
     samples = sum(int(numpy.isfinite(x).sum()) for e in experiments for x in e.columns.values())

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 UNSEEN = 1e-6  # relative singular value of a direction that the data do not see
+AT_BOUND = 1e-9  # relative distance from a bound
 WITHOUT = 1e-9  # relative size of a column of the Jacobian of an unknown without influence
 
 
@@ -55,7 +56,7 @@ class Fitted:
         self.at_bounds = [
             name
             for name, v, u in zip(names, x, problem.unknowns, strict=True)
-            if v in (u.lower, u.upper)
+            if min(abs(v - u.lower), abs(v - u.upper)) <= AT_BOUND * abs(v)
         ]
 
     @property
