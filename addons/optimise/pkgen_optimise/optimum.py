@@ -1,0 +1,108 @@
+"""The optimum: the inputs over time, the motion, and what was sought."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy
+
+from .shooting import Shooting
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from pkgen.api.model import Model
+    from pkgen.api.result import Result
+
+
+class Optimum:
+    """`aim` is the least (or largest) value; `t` has the times of the ends of pieces, `states` and
+    `inputs` columns there by name (a constant input has one value less), `parameters` and
+    `start` values by name."""
+
+    def __init__(self, model: Model, shooting: Shooting, z: NDArray[Any], solver: str, said: str):
+        w = shooting.wanted
+        self._model, self._shooting = model, shooting
+        self.aim = w.sign * float(shooting.evaluated(z)["aim"])  # type: ignore[index]
+        self.duration = float(z[shooting.T])
+        self.t = numpy.linspace(0, self.duration, w.pieces + 1)
+        self.states = {
+            name: z[shooting.states[:, i]]
+            for i, name in enumerate(shooting.moving)
+            if name in self._own
+        }
+        self.inputs = {name: z[shooting.u[:, j]] for j, name in enumerate(shooting.inputs)}
+        values = zip(shooting.parameters, z[shooting.p], strict=True)
+        self.parameters = {name: float(x) for name, x in values}
+        self.start = {name: float(x[0]) for name, x in self.states.items()}
+        self.solver, self.said, self.runs = solver, said, shooting.runs
+
+    @property
+    def _own(self) -> set[str]:
+        return {*self._model.coordinates, *self._model.rates}
+
+    def tables(self) -> dict[str, tuple[Any, ...]]:
+        """Returns the inputs as Model.run() takes them."""
+        if self._shooting.wanted.linear:
+            return {name: (self.t, u) for name, u in self.inputs.items()}
+        return {name: (self.t, numpy.append(u, u[-1]), "hold") for name, u in self.inputs.items()}
+
+    def run(self, **more: Any) -> Result:
+        """Makes the whole motion in one run, with the inputs as tables."""
+        kept = dict(self._model.params._set)
+        self._model.params.update(self.parameters)
+        try:
+            given = {"start": self.start, "inputs": self.tables(), "until": self.duration}
+            return self._model.run(**(given | more))
+        finally:
+            for name in self.parameters:
+                del self._model.params[name]
+            self._model.params.update(kept)
+
+    def record(self) -> dict[str, Any]:
+        """Returns what `--json` prints."""
+        return {
+            "aim": self.aim,
+            "duration": self.duration,
+            "parameters": self.parameters,
+            "start": self.start,
+            "t": self.t.tolist(),
+            "inputs": {name: u.tolist() for name, u in self.inputs.items()},
+            "states": {name: x.tolist() for name, x in self.states.items()},
+            "solver": self.solver,
+            "said": self.said,
+            "runs": self.runs,
+        }
+
+    def text(self) -> str:
+        lines = [f"aim = {self.aim:.9g}", f"duration = {self.duration:.9g}"]
+        lines += [f"{name} = {x:.9g}" for name, x in self.parameters.items()]
+        names = [*self.inputs, *self.states]
+        columns = [*self.inputs.values(), *self.states.values()]
+        rows = [["t", *names]]
+        for k, t in enumerate(self.t):
+            rows.append([f"{t:.6g}", *(f"{x[min(k, len(x) - 1)]:.6g}" for x in columns)])
+        lines += ["  ".join(f"{cell:>12}" for cell in row) for row in rows]
+        return "\n".join([*lines, f"by {self.solver}, {self.runs} motions of a piece", ""])
+
+    def plot(self) -> Figure:
+        """Draws inputs and states over time."""
+        import matplotlib
+        from matplotlib.figure import Figure
+
+        from pkgen.plot import style
+
+        columns = {**self.inputs, **self.states}
+        with matplotlib.rc_context(style.LOOK):
+            size = (style.PAGE, 1.3 * len(columns) + 0.6)
+            figure = Figure(figsize=size, layout="constrained")
+            axes = figure.subplots(len(columns), 1, sharex=True, squeeze=False)
+            for k, (axis, (name, x)) in enumerate(zip(axes[:, 0], columns.items(), strict=True)):
+                if len(x) < len(self.t):
+                    axis.stairs(x, self.t, baseline=None, color=style.colour(k))
+                else:
+                    axis.plot(self.t, x, color=style.colour(k))
+                axis.set_ylabel(name)
+            axes[-1, 0].set_xlabel("t")
+        return figure

@@ -1,0 +1,169 @@
+"""The nonlinear programme: IPOPT (cyipopt) where it is installed, else SciPy's SLSQP."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy
+
+from pkgen.system.exits import NumericsFailed, UsageError
+
+from .shooting import Shooting
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+SOLVERS = ("ipopt", "slsqp")
+CLOSE = 1e-6  # largest violation of a constraint at an optimum, relative to its scale
+
+
+class Programme:
+    """The programme in the free unknowns x = z/scale, from z with some values fixed."""
+
+    def __init__(
+        self, shooting: Shooting, z: NDArray[Any], lower: NDArray[Any], upper: NDArray[Any]
+    ):
+        self.shooting, self.z = shooting, z.copy()
+        self.free = numpy.flatnonzero(lower < upper)
+        fixed = lower == upper
+        self.z[fixed] = lower[fixed]
+        self.scale = self._scale(lower, upper)[self.free]
+        self.bounds = [numpy.clip(x[self.free] / self.scale, -1e20, 1e20) for x in (lower, upper)]
+        first = self.at(self.start)
+        if first is None:
+            raise NumericsFailed(f"a motion from the first guess fails: {shooting.failed}")
+        near = self.at(self.start + 0.1) or first  # the slope at the guess itself may be 0
+        self.of_aim = max(float(abs(x["slope"]).max(initial=0)) for x in (first, near)) or 1.0
+        self.counts = len(first["equal"]), len(first["above"])
+
+    def _scale(self, lower: NDArray[Any], upper: NDArray[Any]) -> NDArray[Any]:
+        """Returns sizes of the unknowns: the largest of a column, or a quarter of its range."""
+        ends = numpy.where(numpy.isfinite(lower) & numpy.isfinite(upper), upper - lower, 0.0)
+        size = numpy.maximum(abs(self.z), ends / 4)
+        for columns in (self.shooting.states, self.shooting.u):
+            for column in columns.T:
+                size[column] = size[column].max()
+        return numpy.where(size > 0, size, 1.0)
+
+    @property
+    def start(self) -> NDArray[Any]:
+        return numpy.clip(self.z[self.free] / self.scale, *getattr(self, "bounds", (None, None)))
+
+    def whole(self, x: NDArray[Any]) -> NDArray[Any]:
+        z = self.z.copy()
+        z[self.free] = x * self.scale
+        return z
+
+    def at(self, x: NDArray[Any]) -> dict[str, Any] | None:
+        """Returns values and derivatives by x."""
+        found = self.shooting.evaluated(self.whole(x))
+        if found is None:
+            return None
+        by = {k: found[k][..., self.free] * self.scale for k in ("slope", "equal_by", "above_by")}
+        return found | by
+
+    def violation(self, x: NDArray[Any]) -> float:
+        found = self.at(x)
+        if found is None:
+            return numpy.inf
+        off = [abs(found["equal"]).max(initial=0), (-found["above"]).max(initial=0)]
+        return float(max(off))
+
+
+def solved(programme: Programme, solver: str, iterations: int) -> tuple[NDArray[Any], str, str]:
+    """Returns the unknowns z, the solver, and what it said. Raises NumericsFailed, UsageError."""
+    found = None
+    if solver in ("", "ipopt"):
+        found = _ipopt(programme, iterations)
+        if found is None and solver:
+            raise UsageError("--solver ipopt needs cyipopt: pip install cyipopt")
+    name = "slsqp" if found is None else "ipopt"
+    x, said = found or _slsqp(programme, iterations)
+    off = programme.violation(x)
+    if not off <= CLOSE:
+        raise NumericsFailed(
+            f"no motion was found that meets all that is wanted: it is off by {off:.2g} ({said}): "
+            "want less, give more --pieces, or start nearer"
+        )
+    return programme.whole(x), name, said
+
+
+def _slsqp(programme: Programme, iterations: int) -> tuple[NDArray[Any], str]:
+    try:
+        from scipy.optimize import minimize
+    except ImportError:
+        raise UsageError("pkgen optimise needs SciPy: pip install 'pkgen-lag[analysis]'") from None
+    equal, above = programme.counts
+    aim = programme.of_aim
+    last: dict[str, Any] = programme.at(programme.start)
+
+    def at(x: NDArray[Any]) -> dict[str, Any]:
+        nonlocal last
+        found = programme.at(x)
+        if found is not None:
+            last = found
+            return found
+        far = {"aim": abs(last["aim"]) + 1e6 * aim, "equal": last["equal"] + 1e3}
+        return last | far  # a step that is too long: the line search shortens it
+
+    constraints = [
+        {"type": "eq", "fun": lambda x: at(x)["equal"], "jac": lambda x: at(x)["equal_by"]}
+    ]
+    if above:
+        constraints.append(
+            {"type": "ineq", "fun": lambda x: at(x)["above"], "jac": lambda x: at(x)["above_by"]}
+        )
+    found = minimize(
+        lambda x: at(x)["aim"] / aim,
+        programme.start,
+        jac=lambda x: at(x)["slope"] / aim,
+        bounds=list(zip(*programme.bounds, strict=True)),
+        constraints=constraints if equal else constraints[1:],
+        method="SLSQP",
+        options={"maxiter": iterations, "ftol": 1e-10},
+    )
+    return found.x, str(found.message)
+
+
+def _ipopt(programme: Programme, iterations: int) -> tuple[NDArray[Any], str] | None:
+    try:
+        import cyipopt
+    except ImportError:
+        return None
+    equal, above = programme.counts
+
+    class Problem:
+        def _at(self, x: NDArray[Any]) -> dict[str, Any]:
+            found = programme.at(x)
+            if found is None:
+                raise cyipopt.CyIpoptEvaluationError
+            return found
+
+        def objective(self, x: NDArray[Any]) -> float:
+            return self._at(x)["aim"] / programme.of_aim
+
+        def gradient(self, x: NDArray[Any]) -> NDArray[Any]:
+            return self._at(x)["slope"] / programme.of_aim
+
+        def constraints(self, x: NDArray[Any]) -> NDArray[Any]:
+            found = self._at(x)
+            return numpy.concatenate([found["equal"], found["above"]])
+
+        def jacobian(self, x: NDArray[Any]) -> NDArray[Any]:
+            found = self._at(x)
+            return numpy.concatenate([found["equal_by"], found["above_by"]]).ravel()
+
+    problem = cyipopt.Problem(
+        n=len(programme.free),
+        m=equal + above,
+        problem_obj=Problem(),
+        lb=programme.bounds[0],
+        ub=programme.bounds[1],
+        cl=numpy.zeros(equal + above),
+        cu=numpy.concatenate([numpy.zeros(equal), numpy.full(above, 1e20)]),
+    )
+    options = {"print_level": 0, "sb": "yes", "max_iter": iterations, "tol": 1e-9}
+    for name, value in (options | {"hessian_approximation": "limited-memory"}).items():
+        problem.add_option(name, value)
+    x, info = problem.solve(programme.start)
+    return x, info["status_msg"].decode()
