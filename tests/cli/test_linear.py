@@ -76,6 +76,33 @@ def test_a_disk_goes_round_steadily() -> None:
     assert at["verdict"] == "stable"
 
 
+def test_gimbals_rest_or_precess_at_the_momenta_of_the_start() -> None:
+    """With V_eff = (p - p_spin cos beta)^2/(2 I(beta)): beside cos beta = p/p_spin it is 0 and
+    nothing precesses; where all axes are the vertical, alpha' = (p -+ p_spin)/I(0)."""
+    model = load("constrained/gimbals.lag", beta0=math.radians(50))
+    p = model.params
+    spin, tilt = p["C"] * p["spin"], p["beta0"]
+
+    def outer(beta: float) -> float:
+        sine, cosine = math.sin(beta) ** 2, math.cos(beta) ** 2
+        return p["J"] + (p["K2"] + p["A"]) * sine + p["K3"] * cosine
+
+    whole = outer(tilt) * p["turn"] + spin * math.cos(tilt)
+    still = math.acos(whole / spin)
+    frequency = spin * math.sin(still) / math.sqrt(outer(still) * (p["K1"] + p["A"]))
+    fast = {round((whole + sign * spin) / outer(0), 6) for sign in (1, -1)}
+    found, seen = model.equilibria(), set()
+    for at in found:
+        rate = at["state"]["alpha'"]
+        seen.add(round(rate, 6))
+        if at["stable"]:
+            assert abs(math.cos(at["state"]["beta"])) == pytest.approx(whole / spin, rel=1e-9)
+            assert at["frequencies"] == pytest.approx([frequency], rel=1e-8) and abs(rate) < 1e-9
+        else:
+            assert abs(math.sin(at["state"]["beta"])) < 1e-9
+    assert {abs(x) for x in seen} == {0.0} | {abs(x) for x in fast}
+
+
 def test_a_free_body_turns_about_three_axes() -> None:
     """Euler: unstable about the middle axis, by the rates of the closed form."""
     model = load("bodies/free_body.lag")
