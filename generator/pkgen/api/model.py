@@ -46,7 +46,7 @@ from .result import Result
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from ..analysis.linear.state_space import Linear
+    from ..analysis.linear.plots import LinearModel
     from .effective import EffectivePotential
     from .symbols import Symbolic, Typeset
 
@@ -288,7 +288,7 @@ class Model(Kernels):
         want: Mapping[str, Value] | None = None,
         start: Mapping[str, Value] | None = None,
         inputs: Mapping[str, Value] | None = None,
-    ) -> Linear:
+    ) -> LinearModel:
         """Returns the linear model beside the equilibrium nearest to the start; at="trim": beside
         the steady state at which the quantities of `want` have these values; at=2.5: beside the
         state at this time. Raises UsageError, ModelError, RunError."""
