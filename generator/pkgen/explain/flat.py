@@ -15,7 +15,6 @@ from ..equations import Equations, Quantity, Structure
 from ..graph.graph import BIT, ZERO, Kind, Node
 from ..indices import multiplied
 from ..middle.analyze import sympy_bridge
-from ..middle.analyze.analyze import cyclic_of
 from ..middle.derive.effective import NAME, NotReduced, written
 from .contents import Contents
 
@@ -84,7 +83,8 @@ def contents(compilation: Compilation) -> Contents:
 
 def _effective(compilation: Compilation) -> list[str]:
     """Returns V_eff if some of the coordinates are cyclic, or have given way to their momenta."""
-    e, cyclic = compilation.equations, cyclic_of(compilation.equations)
+    e, proved = compilation.equations, compilation.structure.cyclic
+    cyclic = [i for i, is_cyclic in enumerate(proved) if is_cyclic and i not in e.turning]
     if not (cyclic or compilation.report.starts) or len(cyclic) == len(e.coordinates):
         return []
     try:
