@@ -19,11 +19,12 @@ param mu = 3 [m^3/s^2]
 coord r [m], phi [rad]
 kinetic m/2*(r'^2 + r^2*phi'^2)
 potential -mu*m/r
+observe slope = V_eff'
 start r = 1.5, r' = 0.3, phi' = 0.9
 scene radial
   until 5
   method gauss rtol 1e-12
-  record r, r', V_eff, energy every 0.1
+  record r, r', V_eff, slope, energy every 0.1
   expect energy = m/2*r'^2 + V_eff within 1e-10
 end
 """
@@ -45,6 +46,8 @@ def test_of_kepler(tmp_path: Path) -> None:
     assert V.coordinates == ("r",) and V.momenta == {"p_phi": pytest.approx(L)}
     assert V(r) == pytest.approx(L**2 / (4 * r**2) - 6 / r, rel=1e-13)
     assert run["V_eff"] == pytest.approx(V(run["r"]), rel=1e-11)
+    slope = (6 / run["r"] ** 2 - L**2 / (2 * run["r"] ** 3)) * run["r'"]
+    assert run["slope"] == pytest.approx(slope, abs=1e-10)
     assert run.units["V_eff"] == "J" and str(V) == "-m*mu/r + p_phi^2/(2*m*r^2)"
     assert model.effective_potential(start={"phi'": 1.8}).momenta["p_phi"] == pytest.approx(2 * L)
     ran("run", path, "--scene", "radial")
@@ -169,6 +172,13 @@ def test_what_has_none_is_refused(text: str, said: str, tmp_path: Path) -> None:
     path = written(tmp_path, "model m\n" + text + "observe a = V_eff\n")
     done = run_pkgen("run", path, "--until", "1")
     assert done.returncode == 1 and said in done.stderr and "Traceback" not in done.stderr
+
+
+def test_a_scene_without_coordinates_has_none(tmp_path: Path) -> None:
+    text = "model m\ncoord x\nstate s\nrate s = -s\nkinetic x'^2\nstart s = 1\n"
+    text += "scene a\n  hold x = t\n  until 1\n  record V_eff, s every 0.5\nend\n"
+    done = run_pkgen("run", written(tmp_path, text), "--scene", "a")
+    assert done.returncode == 1 and "there is no energy here" in done.stderr
 
 
 def test_the_function_refuses_other_names(tmp_path: Path) -> None:
