@@ -438,5 +438,7 @@ def test_a_command_draws(tmp_path: Path) -> None:
     ):
         done = run_pkgen(*words, *wrong)
         assert done.returncode == 2 and said in done.stderr + done.stdout
+    done = run_pkgen("linearise", HOOP, "--plot", "bode")
+    assert done.returncode == 2 and "bode: the model has no input" in done.stderr
     done = run_pkgen("linearise", SWING, "--transfer", "x,u")
     assert done.returncode == 2 and "--plot" in done.stderr

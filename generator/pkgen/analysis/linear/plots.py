@@ -34,11 +34,11 @@ def picture(linear: Linear, kind: str, pairs: Sequence[tuple[str, str]] = ()) ->
     if kind == "poles":
         return poles(linear)
     pairs = pairs or [(y, u) for y in linear.outputs for u in linear.inputs]
-    most = len(PALETTE) if kind == "bode" else 1
-    if not 1 <= len(pairs) <= most:
-        outputs, inputs = ", ".join(linear.outputs), ", ".join(linear.inputs) or "there is none"
-        said = f"name an output, of {outputs}, and an input, of {inputs}"
-        raise UsageError(f"{kind}: {said}")
+    if not pairs:
+        raise UsageError(f"{kind}: the model has no input")
+    if len(pairs) > (len(PALETTE) if kind == "bode" else 1):
+        outputs, inputs = ", ".join(linear.outputs), ", ".join(linear.inputs)
+        raise UsageError(f"{kind}: name an output, of {outputs}, and an input, of {inputs}")
     return bode(linear, pairs) if kind == "bode" else root_locus(linear, *pairs[0])
 
 
