@@ -220,6 +220,24 @@ def test_the_readme_is_short_and_its_python_runs(monkeypatch: pytest.MonkeyPatch
     assert names["a"].shape == (1, 2) and names["r"]["theta1"].shape == (2001,)
 
 
+def test_linear_models_in_the_docs_are_designed_with(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("scipy")
+    monkeypatch.chdir(ROOT)
+
+    def ran_block(page: str) -> dict:
+        (code,) = blocks(ROOT / page, "python")
+        names: dict = {}
+        exec(code, names)
+        return names
+
+    of = ran_block("docs/linear.md")
+    assert -of["gains"][0] == pytest.approx([of["model"].params[f"f{k}"] for k in (1, 2, 3, 4)])
+    of = ran_block("docs/control.md")
+    assert of["error"] == pytest.approx(of["told"], rel=0.05) and of["told"][0] < 0.01
+    of = ran_block("docs/reductions.md")
+    assert of["V"](0.7) == pytest.approx(92.06185109)
+
+
 def test_the_controller_in_the_docs_balances(tmp_path: Path) -> None:
     sampled, model, _ = blocks(ROOT / "docs/control.md", "lag")
     (tmp_path / "position.lag").write_text(sampled)

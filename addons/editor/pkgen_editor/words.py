@@ -64,6 +64,7 @@ drift(X)          in expect: how far X comes from its start in the whole run
 time(EVENT)       in expect: when the event first happens
 """
 _BUILT_IN = {"T": "the kinetic energy", "V": "the potential energy", "L": "the Lagrangian, T - V"}
+_BUILT_IN["V_eff"] = "the effective potential: the energy with constant momenta and no other rates"
 
 
 def calls() -> dict[str, tuple[str, str]]:

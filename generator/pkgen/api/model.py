@@ -49,7 +49,8 @@ from .result import Result
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from ..analysis.linear.state_space import Linear
+    from ..analysis.linear.plots import LinearModel
+    from .effective import EffectivePotential
     from .symbols import Symbolic, Typeset
 
 
@@ -366,7 +367,7 @@ class Model(Kernels):
         want: Mapping[str, Value] | None = None,
         start: Mapping[str, Value] | None = None,
         inputs: Mapping[str, Value] | None = None,
-    ) -> Linear:
+    ) -> LinearModel:
         """Returns the linear model beside the equilibrium nearest to the start; at="trim": beside
         the steady state at which the quantities of `want` have these values; at=2.5: beside the
         state at this time. Raises UsageError, ModelError, RunError."""
@@ -378,6 +379,24 @@ class Model(Kernels):
             options.want = [f"{k}={arguments.text(x)}" for k, x in (want or {}).items()]
             how = {"unroll": None, "kernels": linearise.kernels(), "use": whole(options)}
             return linearise.of_model(options, self._compiled(options, **how))
+
+    def effective_potential(
+        self,
+        *,
+        start: Mapping[str, Value] | None = None,
+        inputs: Mapping[str, Value] | None = None,
+    ) -> EffectivePotential:
+        """Returns V_eff of the coordinates that are not cyclic: its `str` is the expression, it is
+        a function of the coordinates, and `plot(name, lo, hi)` draws it. The momenta are those of
+        the start. Without cyclic coordinates it is the energy at rest. Raises UsageError,
+        ModelError."""
+        from ..analysis.linear.system import opened
+        from .effective import EffectivePotential
+
+        with in_words():
+            options = arguments.options(self, {"start": start, "inputs": inputs})
+            made = self._compiled(options, unroll=None, use=whole(options))
+            return EffectivePotential(made, opened(options, made, "effective_potential"))
 
     def integrator(
         self,

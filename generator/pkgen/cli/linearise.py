@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import argparse
 import json
+from pathlib import Path
 
 from ..analysis.linear import linearise
+from ..analysis.linear.plots import KINDS, LinearModel, picture
 from ..run.values import Values
 from ..scenes.compile_plan import whole
-from ..system.exits import DONE
+from ..system.exits import DONE, UsageError
 from . import arguments as shared
+from . import pictures
 from .compilation import compile_within_limits
+from .messages import needs
 
 EXAMPLES = """
 pkgen linearise models/heavy_top.lag --at equilibrium
 pkgen linearise models/controlled/cart_pole_swing_up.lag --at trim --want "theta=0" --json
 pkgen linearise models/double_pendulum.lag --at t=2 --matlab
+pkgen linearise models/controlled/cart_pole_swing_up.lag --plot bode -o bode.svg
 """
 
 
@@ -29,17 +34,54 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--want", metavar="NAME=VALUE", action="append", default=[], help=help_)
     add("--period", metavar="T", help="of samples: the discrete model, inputs held in between")
     add("--matlab", action="store_true", help="text for MATLAB and Octave")
+    add("--plot", choices=KINDS, help="a picture of these")
+    help_ = "of --plot bode or root_locus (default: all)"
+    add("--transfer", metavar="OUTPUT,INPUT", help=help_)
+    help_ = "of --plot: FILE.svg, .png or .pdf; default: in the terminal"
+    add("-o", dest="output", metavar="FILE", help=help_)
 
 
 def run(options: argparse.Namespace) -> int:
     """Print A, B, C, D of dx/dt = A x + B u, y = C x + D u, their names and the poles."""
+    _refuse(options)
     how = {"unroll": None, "kernels": linearise.kernels(), "use": whole(options)}
     compilation = compile_within_limits(options, **how)
     found = linearise.of_model(options, compilation)
     if options.period is not None:
         found = found.discrete(Values(compilation).positive("--period", options.period, "s"))
-    if options.json:
+    if options.plot is not None:
+        _draw(options, found)
+    elif options.json:
         print(json.dumps(found.record(), indent=1))
     else:
         print(found.matlab() if options.matlab else found.text(), end="")
     return DONE
+
+
+def _refuse(options: argparse.Namespace) -> None:
+    if options.plot is None:
+        for option in ("transfer", "output"):
+            if getattr(options, option) is not None:
+                shown = {"output": "-o"}.get(option, f"--{option}")
+                raise UsageError(f"{shown} is of a picture: --plot {' or '.join(KINDS)}")
+        return
+    needs("matplotlib")
+    if options.json or options.matlab:
+        raise UsageError("--plot is a picture: leave --json or --matlab away")
+    if options.output is not None:
+        pictures.picture_file("-o", options.output)
+
+
+def _draw(options: argparse.Namespace, found: LinearModel) -> None:
+    pairs = []
+    if options.transfer is not None:
+        pair = tuple(name.strip() for name in options.transfer.split(","))
+        if len(pair) != 2:
+            raise UsageError(f"--transfer {options.transfer}: give an output and an input, y,u")
+        pairs = [pair]
+    made = picture(found, options.plot, pairs)
+    pictures.write(made, options.output and Path(options.output), None)
+    if options.output is None:
+        from ..plot.terminal import show
+
+        show(made)

@@ -15,6 +15,7 @@ from ..equations import Equations, Quantity, Structure
 from ..graph.graph import BIT, ZERO, Kind, Node
 from ..indices import multiplied
 from ..middle.analyze import sympy_bridge
+from ..middle.derive.effective import NAME, NotReduced, written
 from .contents import Contents
 
 Rows = list[tuple[str, Node]]
@@ -44,6 +45,7 @@ def contents(compilation: Compilation) -> Contents:
         parameters=e.parameters,
         equations=[
             ("Lagrangian", equal(lagrangian_rows(e))),
+            ("Effective potential", _effective(compilation)),
             (_motion_title(e, structure), equal(motion_rows(e)) if e.coordinates else ()),
             (
                 "Constraints   0 =, J their derivatives by the rates; and lambda =",
@@ -77,6 +79,19 @@ def contents(compilation: Compilation) -> Contents:
             "operations": {k.name: dict(k.operations) for k in program.kernels},
         },
     )
+
+
+def _effective(compilation: Compilation) -> list[str]:
+    """Returns V_eff if some of the coordinates are cyclic, or have given way to their momenta."""
+    e, proved = compilation.equations, compilation.structure.cyclic
+    cyclic = [i for i, is_cyclic in enumerate(proved) if is_cyclic and i not in e.turning]
+    if not (cyclic or compilation.report.starts) or len(cyclic) == len(e.coordinates):
+        return []
+    try:
+        names, node = written(e, cyclic)
+    except NotReduced as why:
+        return [f"{NAME} is not known: {why}"]
+    return [f"{NAME} = {sympy_bridge.text(names, node, SHOWN_OPERATIONS)}"]
 
 
 def _motion_title(e: Equations, structure: Structure) -> str:

@@ -21,7 +21,7 @@ from .parse_errors import declared_names
 from .words import CONSTANTS
 
 # Names that mean the same in a part and in its user, unless the part declares them.
-_COMMON = frozenset((*CONSTANTS, "T", "V", "L", "O", GROUND))
+_COMMON = frozenset((*CONSTANTS, "T", "V", "L", "V_eff", "O", GROUND))
 
 
 def prefixed(source: Source, lexed: list[Lexed]) -> list[Lexed]:

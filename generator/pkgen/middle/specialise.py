@@ -106,7 +106,7 @@ def _refuse_momentum(model: Model, scene: Scene, name: str, index: int | None) -
 def _refuse_energy(model: Model, scene: Scene) -> None:
     """Raises ModelError if the scene uses the energy: a model of states alone has none."""
     for part in _asked(scene):
-        if isinstance(part, Name) and part.id == "energy":
+        if isinstance(part, Name) and part.id in ("energy", "V_eff"):
             message = "there is no energy here: every coordinate is held, and states have none"
             raise error(model, message, part.span, "'T', 'V' and 'L' are known as functions of t")
 

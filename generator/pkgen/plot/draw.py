@@ -79,7 +79,8 @@ def _of_plane(panel: Panel, width: float) -> float:
     equal scales, the height follows from the ranges, within limits."""
     if not panel.equal:
         return 0.86 * width
-    (x0, x1), (y0, y1) = _span(panel.lines, "x"), _span(panel.lines, "y")
+    x0, x1 = panel.x.limits or _span(panel.lines, "x")
+    y0, y1 = panel.y.limits or _span(panel.lines, "y")
     ratio = (y1 - y0) / (x1 - x0) if x1 > x0 else 1.0
     return min(1.7, max(0.3, ratio)) * (width - 0.7) + 0.75
 

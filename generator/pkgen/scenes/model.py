@@ -113,7 +113,8 @@ def _power(model: Model, side: LeftSide) -> Expr | None:
 
 def _unit(model: Model, side: LeftSide) -> str | None:
     """Returns the unit of a quantity that can be recorded but is no output, else None."""
-    if side.name in ("L", "T", "V") and side.index is None and not side.order:
+    declared = {item.name for item in model.parameters}
+    if side.text() in {"L", "T", "V", "V_eff"} - declared:
         return "" if model.dimensionless else "J"
     own = side.name, side.order
     for item in (

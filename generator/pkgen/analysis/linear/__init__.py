@@ -5,5 +5,5 @@ newton       corrections and deflation            steady      the equations and 
 equilibria   the search                           rest        what it finds
 modes        small motions                        report      equilibria as data and text
 linearise    A, B, C, D beside a state            state_space and what others take of them
-normal       modes of `--diagnose`
+normal       modes of `--diagnose`                plots       Bode, root loci, poles
 """

@@ -24,7 +24,7 @@ from ...system.near import near
 from . import modes
 from .equilibria import TRIES, of_system
 from .newton import least, shortened
-from .state_space import Linear
+from .plots import LinearModel
 from .system import EXACT, System, floats, opened
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def linear(
     state: NDArray[Any],
     t: float = 0.0,
     moving: Sequence[modes.Moving] = (),
-) -> Linear:
+) -> LinearModel:
     """Returns the linear model beside a state, at the inputs of the system; `moving` as in
     modes.modes(). Raises NumericsFailed."""
     n, m, e = system.n, system.m, compilation.equations
@@ -90,7 +90,7 @@ def linear(
     kept = [k for k, item in enumerate(e.inputs) if reads[k] or item.name not in held]
     B, D, u, inputs = B[:, kept], D[:, kept], u[kept], [e.inputs[k] for k in kept]
     of = {"states": states, "inputs": inputs, "outputs": e.observed_names if outputs else states}
-    return Linear(
+    return LinearModel(
         *(A, B, C, D),
         *(tuple(item.name for item in kind) for kind in of.values()),
         units={kind: [item.unit for item in listed] for kind, listed in of.items()},
@@ -179,7 +179,7 @@ def kernels() -> frozenset[str]:
     return frozenset(KERNELS) - CANONICAL - {PARTICLES, "r_p", "out_p"}
 
 
-def of_model(options: argparse.Namespace, compilation: Compilation) -> Linear:
+def of_model(options: argparse.Namespace, compilation: Compilation) -> LinearModel:
     """Returns the linear model at options.at, "equilibrium", "trim" or "t=…"; options.want has what
     a trim is asked for. The compilation has kernels(). Raises UsageError, ModelError, BuildError,
     NumericsFailed."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy
 from numpy import linalg
@@ -14,6 +14,7 @@ from ...system.exits import UsageError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+Kind = TypeVar("Kind", bound="Linear")
 NEAR = 1e-9  # a singular value below this part of the largest counts as 0
 
 
@@ -55,17 +56,63 @@ class Linear:
 
     def transfer(self, output: str, input: str) -> tuple[NDArray[Any], NDArray[Any]]:
         """Returns the coefficients of numerator and denominator, the highest power first."""
+        from scipy.signal import ss2tf
+
+        numerators, denominator = ss2tf(*self._single(output, input))
+        return numerators[0], denominator
+
+    def zeros(self, output: str, input: str) -> NDArray[Any]:
+        """Returns the zeros of a transfer function, some of which may be poles too."""
+        from scipy.linalg import eigvals
+
+        A, b, c, d = self._single(output, input)
+        # They are fewer than the poles by the order of the first derivative of the output that
+        # depends on the input. The other eigenvalues are infinite, or large by rounding.
+        count, x, first = len(A), b, d[0, 0] != 0
+        while not first and count:
+            count, first = count - 1, abs(c @ x) > NEAR * linalg.norm(c) * linalg.norm(x)
+            x = A @ x
+        unit = numpy.diag([1.0] * len(A) + [0.0])
+        with numpy.errstate(all="ignore"):
+            found = eigvals(numpy.block([[A, b], [c, d]]), unit)
+        size = numpy.where(numpy.isfinite(found), abs(found), numpy.inf)
+        return found[size.argsort()[:count]] if first else found[:0]
+
+    def response(self, s: NDArray[Any]) -> NDArray[Any]:
+        """Returns C (s - A)^-1 B + D for each s, of shape (len(s), outputs, inputs); NaN at a
+        pole."""
+        M = s[:, None, None] * numpy.eye(len(self.A)) - self.A
+        M[linalg.slogdet(M)[0] == 0] = numpy.nan
+        return (
+            self.C @ linalg.solve(M, numpy.broadcast_to(self.B, (len(s), *self.B.shape))) + self.D
+        )
+
+    def frequency_response(self, w: NDArray[Any]) -> NDArray[Any]:
+        """Returns the transfer functions at angular frequencies, of shape (len(w), outputs,
+        inputs)."""
+        w = numpy.asarray(w, float)
+        return self.response(numpy.exp(1j * w * self.period) if self.period else 1j * w)
+
+    def closed_poles(self, output: str, input: str, gains: NDArray[Any]) -> NDArray[Any]:
+        """Returns the poles with the feedback u = -k y for each gain k, a row each."""
+        A, b, c, d = self._single(output, input)
+        k = numpy.asarray(gains, float)[:, None, None]
+        return linalg.eigvals(A - k / (1 + k * d) * (b @ c))
+
+    def places(self, output: str, input: str) -> tuple[int, int]:
+        """Returns the indices of an output and an input. Raises UsageError."""
         for name, of, kind in ((output, self.outputs, "output"), (input, self.inputs, "input")):
             if name not in of:
                 raise UsageError(f"{name}: no {kind}; there are {', '.join(of) or 'none'}")
-        i, j = self.outputs.index(output), self.inputs.index(input)
-        from scipy.signal import ss2tf
+        return self.outputs.index(output), self.inputs.index(input)
 
-        b, c, d = self.B[:, j : j + 1], self.C[i : i + 1], self.D[i : i + 1, j : j + 1]
-        numerators, denominator = ss2tf(self.A, b, c, d)
-        return numerators[0], denominator
+    def _single(self, output: str, input: str) -> tuple[NDArray[Any], ...]:
+        i, j = self.places(output, input)
+        return self.A, self.B[:, j : j + 1], self.C[i : i + 1], self.D[i : i + 1, j : j + 1]
 
-    def discrete(self, period: float) -> Linear:
+    # -- for others ---------------------------------------------------------------------------
+
+    def discrete(self: Kind, period: float) -> Kind:
         """Returns the model of samples every `period` seconds, between which inputs are held."""
         from scipy.linalg import expm
 
@@ -74,7 +121,7 @@ class Linear:
         both[:n, :n], both[:n, n:] = self.A, self.B
         step = expm(both * period)
         rest_of = {k: x for k, x in vars(self).items() if k not in ("A", "B", "period")}
-        return Linear(step[:n, :n], step[:n, n:], **rest_of, period=period)
+        return type(self)(step[:n, :n], step[:n, n:], **rest_of, period=period)
 
     def to_ss(self) -> Any:
         """Returns a StateSpace of python-control, with the names of states, inputs and outputs."""
@@ -138,11 +185,16 @@ class Linear:
 
 
 def _reached(A: NDArray[Any], B: NDArray[Any]) -> tuple[int, NDArray[Any]]:
+    """Returns how many freedoms B reaches, and the matrix (B, A B, A^2 B, ...)."""
     columns = [B]
     for _ in range(len(A) - 1):
         columns.append(A @ columns[-1])
-    matrix = numpy.concatenate(columns, 1)
-    # The rank is that of a basis grown by A: powers of A are ill-conditioned.
+    return reached(A, B).shape[1], numpy.concatenate(columns, 1)
+
+
+def reached(A: NDArray[Any], B: NDArray[Any]) -> NDArray[Any]:
+    """Returns an orthonormal basis of the states that B reaches. It is grown by A: powers of A are
+    ill-conditioned."""
     basis, new = numpy.zeros((len(A), 0)), B
     while new.size:
         new = new - basis @ (basis.T @ new)
@@ -150,4 +202,4 @@ def _reached(A: NDArray[Any], B: NDArray[Any]) -> tuple[int, NDArray[Any]]:
         new = u[:, s > NEAR * max(1.0, abs(A).max(initial=0.0))]
         basis = numpy.concatenate([basis, new], 1)
         new = A @ new
-    return basis.shape[1], matrix
+    return basis

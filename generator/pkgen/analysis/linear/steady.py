@@ -187,9 +187,15 @@ class Steady:
         return self.normal(z)
 
     def _sizes(self) -> numpy.ndarray:
-        """Returns the largest size of each equation in the box."""
+        """Returns the largest size of each equation in the box. That of J v + j0, which vanishes
+        along a symmetry, is with the rates of another point."""
         points = numpy.array([self.place(2 * k + 1) for k in range(1, 33)])
-        sizes = abs(self.equations(points))
+        sizes, states = abs(self.equations(points)), self.states(points)
+        rates = self.system.v(states)[:, : self.body_rates.stop]
+        rates[:] = numpy.roll(rates, 1, 0)
+        kept = abs(self.system.constraints(states))
+        part = sizes[:, self.system.n :][:, : kept.shape[1]]
+        numpy.fmax(part, kept, out=part)
         return sizes[numpy.isfinite(sizes).all(1)].max(0, initial=0.0)
 
     def _scale(self, sizes: numpy.ndarray) -> numpy.ndarray:

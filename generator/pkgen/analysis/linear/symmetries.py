@@ -107,9 +107,11 @@ class Fields:
         return self.system.constraints(self.states(Y))
 
     def along(self, of: Callable, Y: numpy.ndarray, g: numpy.ndarray) -> numpy.ndarray:
-        """Returns the derivatives of of(Y) along g."""
+        """Returns the derivatives of of(Y) along g. Differences over two steps cancel the error of
+        the second order (L. F. Richardson, 1911)."""
         by = BESIDE * abs(Y).max() / (abs(g).max() or 1.0)
-        return (of(Y + by * g) - of(Y - by * g)) / (2 * by)
+        single, double = ((of(Y + k * by * g) - of(Y - k * by * g)) / (2 * k * by) for k in (1, 2))
+        return (4 * single - double) / 3
 
     def samples(self, count: int) -> numpy.ndarray:
         """Returns states beside the start and on the constraints."""

@@ -22,7 +22,7 @@ from ..words import reserved
 NOTHING: frozenset[str] = frozenset()
 NO_INPUTS: dict[str, int] = {}
 _UNITS = frozenset(("kg", "cm", "mm", "km", "Hz", "Pa", "rad", "deg", "ohm", "N", "J", "W"))
-BUILT_IN = ("T", "V", "L", "energy")
+BUILT_IN = ("T", "V", "L", "energy", "V_eff")
 ROTATIONS = frozenset(("omega", "rot", "inverse", "euler", "tait_bryan"))
 NAMED = ("omega", "power", "error", "loss")  # functions of a name, whose calls are columns
 EVENTS = ("event", "contact")  # kinds of names that are events

@@ -143,6 +143,12 @@ def _jumping(equations: Equations) -> frozenset[int]:
     )
 
 
+def cyclic_of(equations: Equations) -> list[int]:
+    """Returns the coordinates that are proved cyclic, without those of rotations."""
+    kinds = _cyclic(equations, _Seen(equations.graph), _jumping(equations))
+    return [i for i, cyclic in enumerate(kinds) if cyclic and i not in equations.turning]
+
+
 def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple[bool, ...]:
     """Returns for each coordinate whether it is proved cyclic: L does not depend on it, and no
     applied force acts along it."""

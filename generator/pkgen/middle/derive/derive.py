@@ -8,6 +8,7 @@ operations for f and O(N^2) for M, in addition to the operations of L.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 
 from ... import limits
@@ -19,6 +20,7 @@ from ...graph.substitute import substituted
 from ...indices import of_made
 from ...model import Model, Parameter
 from ...source import Diagnostic, ModelError, Span
+from ..analyze.analyze import cyclic_of
 from ..expand.expand import Expander
 from ..expand.names import entered
 from ..motion import PARTICLES, RATES, Energies, Motion, Wanted, with_states
@@ -38,6 +40,7 @@ from .constrain import CannotConstrain
 from .constraint_start import at_the_start
 from .constraints import cannot_constrain, define_multipliers, rows_of
 from .contacts import define_contacts, with_meetings, with_multipliers, without_latches
+from .effective import NAME, NotReduced, effective_potential
 from .first_degree import rates_of_first_degree
 from .first_order import define_built_in, rates_of_states
 from .impulses import check_rates
@@ -130,27 +133,32 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     # A copy of the nodes whose time derivatives have been taken so far. The time derivatives in
     # outputs, which are taken below, need no check since outputs do not affect the motion.
     primes = x.primes[:]
-    outputs = _outputs(x, found, rates)
-    check_rates(model, x.graph, primes, naming(named))
     equations = Equations(
         model=model,
         graph=x.graph,
         **vars(named),
-        **outputs,
+        **dict.fromkeys(OUTPUTS, ()),
         left_out=left_out,
         event_names=Quantity.each(model.events),
         singularities=(),
-        events=_events(x, found),
-        **sampled(x, partial(_solved, x, found=found)),
-        resets=resets_of(x, partial(_solved, x, found=found)),
         start_q=start_q,
         start_v=start_v,
         state_start=state_start,
         particles=bodies,
         attitudes=x.attitudes,
+        **found.fields,
+    )
+    x.later[NAME] = partial(_effective, x, equations)
+    outputs = _outputs(x, found, rates)
+    check_rates(model, x.graph, primes, naming(named))
+    equations = replace(
+        equations,
+        **outputs,
+        events=_events(x, found),
+        **sampled(x, partial(_solved, x, found=found)),
+        resets=resets_of(x, partial(_solved, x, found=found)),
         fast=_fast(x, energies.fast, found),
         noise=noise_of(x, found),
-        **found.fields,
     )
     return located(equations, wanted)
 
@@ -318,6 +326,19 @@ def _generalized_forces(x: Expander) -> list[Node]:
 
 
 # -- outputs -------------------------------------------------------------------------------------
+
+# The fields of Equations for statements that may use names of the motion.
+OUTPUTS = ("observed_names", "observed", "conserved_names", "conserved")
+OUTPUTS += ("events", "sampled", "sample_times", "held_start")
+
+
+def _effective(x: Expander, e: Equations, span: Span) -> Node:
+    cyclic = cyclic_of(e)
+    try:
+        return effective_potential(e, cyclic, tuple(e.momenta[i] for i in cyclic))
+    except NotReduced as why:
+        names = ", ".join(e.coordinates[i].name for i in cyclic)
+        raise error(x.model, f"'{NAME}' is not known: {names} stay, for {why}", span) from None
 
 
 def _outputs(x: Expander, derived: Derived, rates: Mapping[Node, Node]) -> dict[str, tuple]:

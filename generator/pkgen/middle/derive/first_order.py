@@ -16,6 +16,7 @@ from ...source import Span
 from ..expand.expand import Expander
 from ..motion import STATE, Energies
 from ..quantities import error, indexed, symbols
+from .effective import NAME
 from .states import resolved
 
 
@@ -32,6 +33,11 @@ def rates_of_states(
     momenta = tuple(by.get(rate, ZERO) for rate in v)
     energy = g.subtract(g.dot(v, momenta), energies.lagrangian)
     define_built_in(x, energies, energy, momenta)
+
+    def follows(span: Span) -> Node:
+        raise error(x.model, f"'{NAME}' follows from the rates: no rate may use it", span)
+
+    x.later[NAME] = follows
     rates = [solved.get(k, ZERO) for k in range(x.state_count)]
     places: list[Span] = [x.model.span] * x.state_count
     for attitude in x.attitudes:

@@ -115,6 +115,8 @@ class Names(ABC):
         }
         self.defined: dict[str, dict[int | None, Value]] = {}
         self.assigned: dict[str, Value] = {}  # by the current sample block so far
+        # Names whose values are computed where they first occur.
+        self.later: dict[str, Callable[[Span], Node]] = {}
         self.refusals: dict[tuple[str, int | None], tuple[str, str]] = {}
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
         # Maps the symbol of each state's time derivative to its expression. None while the model's
@@ -251,6 +253,8 @@ class Names(ABC):
         if (name, index) in self.refusals:
             message, help = self.refusals[name, index]
             raise error(self.model, message, expr.span, help)
+        if name in self.later and name not in self.defined:
+            self.define(name, None, self.later[name](expr.span))
         if name in self.defined:
             members = self.defined[name]
             if index not in members:

@@ -32,6 +32,8 @@ class Outputs:
             if not (group.is_family or x.carried):
                 named[name] = momenta.totals[group.name]
         used = {name for item in _outputs(x) for name in _names(item)}
+        if "V_eff" in used - {item.name for item in x.model.definitions}:
+            raise Unrolled("'V_eff' is of single coordinates")
         for name, total in named.items():
             if total is not None and name in used:
                 x.outputs[name] = x.totals.node(total)

@@ -7,11 +7,12 @@ from ...equations import Equations
 from ...graph.differentiate import symbols_in
 from ...graph.solve import looped
 from ...methods import provides
+from ..derive.effective import NotReduced
 from ..derive.impulses import NoRate
 from ..motion import COORDINATES
 from ..report import ReportLine
 from .reduction import Needs, State, cost
-from .routh import NotReduced, routh
+from .routh import routh
 
 # How many operations an integrator takes for one number of the state, in addition to the evaluation
 # of the equations. The number is per evaluation, and is about 7 for rk4 and 16 for gauss.

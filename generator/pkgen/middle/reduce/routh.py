@@ -20,20 +20,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from ...equations import Equations, Row
-from ...graph.collect import fewest
+from ...equations import Equations
 from ...graph.differentiate import symbols_in
-from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
-from ...graph.solve import Factors, SingularMass, elimination_order, factors
+from ...graph.graph import BIT, ZERO, Kind, Node, Symbol
 from ...graph.substitute import substituted
+from ..derive.effective import NotReduced, solved
 from ..drop_coordinates import Start, StartParameters, smaller
 from ..quantities import symbols
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
-
-
-class NotReduced(Exception):
-    """The cyclic coordinates cannot be removed. The text is the reason."""
 
 
 def routh(
@@ -60,7 +55,7 @@ def routh(
 
     y = [g.subtract(g.subtract(momentum[i], offset[i]), moving(i)) for i in cyclic]
     block = tuple(tuple(equations.mass[i][j] for j in cyclic) for i in cyclic)
-    turning, stored = _solved(g, block, tuple(y))
+    turning, stored = solved(g, block, tuple(y))
     kinetic = g.sum(g.multiply(rates[i], moving(i)) for i in rest)
     lagrangian = g.sum(
         [
@@ -122,26 +117,3 @@ def _momenta(
         i: parameters.add(replace(equations.momenta_names[i], description=says), node)
         for i, node in zip(cyclic, at_start, strict=True)
     }
-
-
-def _solved(g: Graph, block: tuple[Row, ...], y: Row) -> tuple[Row, Node]:
-    """Returns the vector x = block^-1 y and the number y.x, where `block` is a block of M. The
-    number is computed as a sum of squares divided by the pivots of the block, which takes few
-    operations."""
-    order, _ = elimination_order(g, block)
-    try:
-        found = factors(g, block, order)
-    except SingularMass:
-        found = None
-    if found is None:
-        raise NotReduced("their block of M is singular")
-    # Pivots are simplified: with constants I1 and I3, I1 + (I3 - I1) cos^2 - I3 cos^2 becomes I1
-    # sin^2.
-    pivots = [fewest(g, [pivot])[0] for pivot in found.pivots]
-    inverses = [g.power(pivot, -1) for pivot in pivots]
-    found = Factors(order, found.lower, pivots, inverses)
-    z = found.forward(g, y)
-    squares = (
-        g.multiply(g.power(entry, 2), inverse) for entry, inverse in zip(z, inverses, strict=True)
-    )
-    return found.backward(g, z), g.sum(squares)
