@@ -69,7 +69,7 @@ def ranges(
         low, high = number(name, ends[0]), number(name, ends[-1])
         if ends[0] is None or (isinstance(ends[0], str) and not ends[0].strip()):
             low = -math.inf
-        if not low <= high:
+        if not low <= high and option != "--guess":
             raise UsageError(f"{option} {name}: the first is to be below the second")
         found[name] = (low, high)
     return found
