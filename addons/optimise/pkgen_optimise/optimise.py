@@ -22,7 +22,24 @@ from .wanted import INTEGRAL, Range, Wanted, checked, ranges, units
 PIECES, ITERATIONS = 20, 300
 
 
-def optimise(
+def optimise(model: Model, minimise: str = "", **more: Any) -> Optimum:
+    """Returns the motion at which the last value of the column `minimise` (or of `maximise`; "t" is
+    the duration), plus the integral over time of the expression `integral`, is least.
+
+    `inputs` and `free` have ranges (least, largest) of inputs and parameters by name, None for no
+    end; inputs are constant in each of `pieces` pieces, or with `linear` linear there. `free_start`
+    names starts that are free. `end` has values or ranges of columns at the end, `path` at the ends
+    of all pieces. Columns `periodic` end as they start; {"theta": "after"}: theta starts where the
+    column `after` ends. `until` is a duration or a range of it. `guess` has (first, last) values by
+    name, between which the search begins. `solver` is "ipopt" or "slsqp", `iterations` their most.
+    Other arguments are those of Model.run(). A local optimum is found.
+
+    Raises UsageError, NumericsFailed."""
+    with in_words():
+        return optimised(model, minimise, **more)
+
+
+def optimised(
     model: Model,
     minimise: str = "",
     *,
@@ -33,7 +50,7 @@ def optimise(
     free_start: arguments.Names = (),
     end: Mapping[str, Any] | None = None,
     path: Mapping[str, Any] | None = None,
-    periodic: arguments.Names = (),
+    periodic: arguments.Names | Mapping[str, str] = (),
     until: Any = None,
     pieces: int = PIECES,
     linear: bool = False,
@@ -42,50 +59,40 @@ def optimise(
     iterations: int = ITERATIONS,
     **more: Any,
 ) -> Optimum:
-    """Returns the motion at which the last value of the column `minimise` (or of `maximise`; "t" is
-    the duration), plus the integral over time of the expression `integral`, is least.
-
-    `inputs` and `free` have ranges (least, largest) of inputs and parameters by name, None for no
-    end; inputs are constant in each of `pieces` pieces, or with `linear` linear there. `free_start`
-    names starts that are free. `end` has values or ranges of columns at the end, `path` at the ends
-    of all pieces; columns `periodic` end as they start. `until` is a duration or a range of it.
-    `guess` has (first, last) values by name, between which the search begins. `more` are arguments
-    of Model.run(). A local optimum is found. Raises UsageError, NumericsFailed."""
-    with in_words():
-        if bool(minimise) and bool(maximise):
-            raise UsageError("--minimise and --maximise: give one of them")
-        if solver and solver not in SOLVERS:
-            raise UsageError(f"--solver {solver}: {', '.join(SOLVERS)}")
-        of, e = model.compilation, model.compilation.model
-        if integral:
-            model = _with_integral(model, integral, of.model.dimensionless)
-            of = model.compilation
-        duration = _duration(of, until)
-        wanted = Wanted(
-            minimise or maximise,
-            -1.0 if maximise else 1.0,
-            bool(integral),
-            ranges(of, "--input", inputs or {}, "input"),
-            ranges(of, "--free", free or {}, "parameter"),
-            tuple(arguments.several(free_start)),
-            ranges(of, "--end", end or {}, "column"),
-            ranges(of, "--path", path or {}, "column"),
-            tuple(arguments.several(periodic)),
-            duration,
-            pieces,
-            linear,
-        )
-        if not (wanted.minimise or integral):
-            raise UsageError("--minimise: name a column, or give --integral")
-        del e
-        wanted = checked(wanted, of)
-        guesses = ranges(of, "--guess", guess or {}, "quantity")
-        return _found(model, wanted, guesses, solver, iterations, more)
+    """Does the work of optimise(). Messages name options."""
+    if minimise and maximise:
+        raise UsageError("--minimise and --maximise: give one of them")
+    if solver and solver not in SOLVERS:
+        raise UsageError(f"--solver {solver}: {', '.join(SOLVERS)}")
+    if not (minimise or maximise or integral):
+        raise UsageError("--minimise: name a column, or give --integral")
+    if integral:
+        lines = f"state {INTEGRAL}\nrate {INTEGRAL} = {integral}\nstart {INTEGRAL} = 0\n"
+        model = model.extended(lines, {})
+    of = model.compilation
+    wanted = Wanted(
+        minimise or maximise,
+        -1.0 if maximise else 1.0,
+        bool(integral),
+        ranges(of, "--input", inputs or {}, "input"),
+        ranges(of, "--free", free or {}, "parameter"),
+        tuple(arguments.several(free_start)),
+        ranges(of, "--end", end or {}, "column"),
+        ranges(of, "--path", path or {}, "column"),
+        _pairs(periodic),
+        _duration(of, until),
+        pieces,
+        linear,
+    )
+    guesses = ranges(of, "--guess", guess or {}, "quantity")
+    return _found(model, checked(wanted, of), guesses, solver, iterations, more)
 
 
-def _with_integral(model: Model, integral: str, dimensionless: bool) -> Model:
-    lines = f"state {INTEGRAL}\nrate {INTEGRAL} = {integral}\nstart {INTEGRAL} = 0\n"
-    return model.extended(lines, {})
+def _pairs(periodic: Any) -> dict[str, str]:
+    if isinstance(periodic, Mapping):
+        return dict(periodic)
+    parts = [text.partition("=") for text in arguments.several(periodic)]
+    return {name.strip(): (end or name).strip() for name, _, end in parts}
 
 
 def _duration(of: Any, until: Any) -> Range:
@@ -128,11 +135,7 @@ def _found(
     with warnings.catch_warnings():  # of lines that a scene alone uses
         warnings.simplefilter("ignore")
         prepared = inner.taped(options)
-    if (
-        not wanted.linear
-        and not model.compilation.structure.autonomous
-        and not model.compilation.equations.inputs
-    ):
+    if not model.compilation.structure.autonomous and not model.compilation.equations.inputs:
         raise UsageError("the equations depend on time: pieces of the motion all begin at t = 0")
     names = [*inner.coordinates, *inner.rates]
     start = dict(zip(names, map(float, inner.start), strict=True))

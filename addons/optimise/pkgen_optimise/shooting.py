@@ -106,7 +106,7 @@ class Shooting:
             end = numpy.array([found.values(name)[0] for name in self.moving])
             slopes = numpy.array([found.of(name)[0] for name in self.moving])
             rates = tape.ending(len(tape.rows) - 1)
-            names = {*w.end, *w.path, w.minimise} - {*self.moving, "t", ""}
+            names = {*w.end, *w.path, w.minimise, *w.periodic.values()} - {*self.moving, "t", ""}
             outputs = {x: self._output(tape, found, x, rates) for x in names}
             if w.integral:
                 of_time = float(rates[-1])
@@ -195,12 +195,11 @@ class Shooting:
                 equal_by.append(by[None])
             else:
                 self._limited(last[name], (low, high), above, above_by)
-        for name in w.periodic:
-            i = self.moving.index(name)
-            row = numpy.zeros(self.size)
-            row[self.states[N, i]], row[self.states[0, i]] = 1, -1
-            equal.append(numpy.array([z[self.states[N, i]] - z[self.states[0, i]]]))
-            equal_by.append(row[None])
+        for name, column in w.periodic.items():
+            place = self.states[0, self.moving.index(name)]
+            value, by = last[column]
+            equal.append(numpy.array([value - z[place]]))
+            equal_by.append((by - numpy.eye(self.size)[place])[None])
         names = [w.minimise] * bool(w.minimise) + [INTEGRAL] * w.integral
         aim = sum(last[name][0] for name in names)
         return {

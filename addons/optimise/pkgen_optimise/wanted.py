@@ -29,7 +29,7 @@ class Wanted:
     starts: tuple[str, ...]
     end: dict[str, Range]
     path: dict[str, Range]
-    periodic: tuple[str, ...]
+    periodic: dict[str, str]  # by the name of a start, the column that ends there
     duration: Range
     pieces: int
     linear: bool
@@ -86,6 +86,7 @@ def checked(wanted: Wanted, compilation: Compilation) -> Wanted:
         ("--free", wanted.parameters, [*parameters.names()], "parameter"),
         ("--free-start", wanted.starts, moving, "coordinate or rate"),
         ("--periodic", wanted.periodic, moving, "coordinate or rate"),
+        ("--periodic", wanted.periodic.values(), [*moving, *outputs], "column"),
         ("--end", wanted.end, [*moving, *outputs], "column"),
         ("--path", wanted.path, [*moving, *outputs], "column"),
     ]
@@ -93,9 +94,10 @@ def checked(wanted: Wanted, compilation: Compilation) -> Wanted:
         for name in names:
             if name not in known:
                 raise UsageError(f"{option} {name}: {near(name, known, what)}")
-    if wanted.minimise and wanted.minimise not in ("t", *moving, *outputs):
+    columns = ["t", *moving, *outputs]
+    if wanted.minimise and wanted.minimise not in columns:
         raise UsageError(
-            f"--minimise {wanted.minimise}: {near(wanted.minimise, ['t', *moving, *outputs], 'column')}"
+            f"--minimise {wanted.minimise}: {near(wanted.minimise, columns, 'column')}"
         )
     low, high = wanted.duration
     if not (0 < low <= high < math.inf):
