@@ -207,9 +207,14 @@ def opened(options: argparse.Namespace, compilation: Compilation, command: str) 
     refuse_statements(compilation.declared, "pkgen stability", ("samples", "noises"), command)
     if compilation.looped:
         raise UsageError(f"{command} is of single coordinates, and the families are kept as loops")
+    whole = settled(options, compilation)
+    model = compilation.model
+    return System(build_library(compilation.files, model.name, own=model.methods), whole)
+
+
+def settled(options: argparse.Namespace, compilation: Compilation) -> Settings:
+    """Returns the settings of a system: the start and the parameters alone. Raises UsageError."""
     given = argparse.Namespace(**{**vars(options), "until": "1"})
     chosen = scene.of(given, compilation.declared)
     whole = run_settings.settings(given, compilation, chosen=chosen)
-    model = compilation.model
-    program = build_library(compilation.files, model.name, own=model.methods)
-    return System(program, replace(whole, every=None, method="rk4", step=None, show=(), at=None))
+    return replace(whole, every=None, method="rk4", step=None, show=(), at=None)

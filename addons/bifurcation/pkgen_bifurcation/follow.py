@@ -1,0 +1,391 @@
+"""Follows the solutions of a problem along its parameter, by pseudo-arclength: each correction is
+orthogonal to the tangent of the branch, so that folds are passed like any other point.
+
+Test functions that change their sign along a step say that a bifurcation lies there:
+
+    a fold                the derivative of the parameter along the branch
+    a branch point        det A of small motions, or of an orbit det(M - 1), without trivial factors
+    a period doubling     det(M + 1)
+    Hopf, torus           the growth of the oscillation that begins to grow
+
+References: H. B. Keller, in: P. H. Rabinowitz (ed.), Applications of Bifurcation Theory (1977) 359;
+E. Doedel, H. B. Keller, J. P. Kernevez, Int. J. Bifurcation and Chaos 1 (1991) 493 and 745.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+import numpy
+
+MOST_POINTS, MOST_BRANCHES = 1000, 24
+ROUNDS, SMALL, EASY = 12, 1e-9, 4  # Newton's iterations; the last correction; few iterations
+FIRST, LONGEST, SHORTEST = 1e-2, 5e-2, 1e-6  # lengths of steps
+STRAIGHT = 0.9  # cosine of the largest turn of the tangent in a step
+NEARLY = 1e-4  # as Problem.flat, at a branch point that is known roughly
+ASIDE = 2e-2  # first step on a branch that begins at a branch point
+# A solution nearer to a branch is one of it, and where the square of the chord is longer, so is one
+# nearer than this part of it.
+SAME, BENT = 1e-4, 0.3
+MOST_DOUBLINGS = 3
+
+
+@dataclass
+class Linear:
+    """The equations at x, and their derivatives by its unknowns x[problem.of]. `expand` returns the
+    change of all of x that belongs to one of these; `homogeneous`, without the equations' gap."""
+
+    gap: numpy.ndarray
+    slopes: numpy.ndarray
+    expand: Callable[[numpy.ndarray, bool], numpy.ndarray]
+    size: float  # how far x is from a solution
+
+
+@dataclass
+class Node:
+    """A point of a branch: x and its tangent, with what the problem says of it."""
+
+    x: numpy.ndarray
+    t: numpy.ndarray
+    value: float
+    rate: float  # derivative of the value along the branch
+    values: numpy.ndarray  # eigenvalues or multipliers
+    about: dict[str, Any]  # state by name, period, energy
+    grid: Any = None  # of the problem, that x belongs to
+    kind: str = ""  # of a special point
+
+
+@dataclass
+class Path:
+    """A branch as it was followed."""
+
+    nodes: list[Node]
+    ended: list[str]  # at its two ends
+    origin: Node | None = None  # the branch point that it passes through
+    problem: Any = None
+    specials: list[Node] = field(default_factory=list)
+
+
+@dataclass
+class Seed:
+    """A point from which a branch is followed: in both directions, or along its tangent alone."""
+
+    problem: Problem
+    node: Node
+    origin: Node | None = None
+    outward: bool = False
+
+
+class Problem:
+    """Solutions x of gap(x) = 0, one more number than equations that are independent. Numbers of x
+    are in units of their ranges. `of` are the indices of x by which lengths are measured."""
+
+    of: numpy.ndarray | slice = slice(None)
+    grid: Any = None
+    is_map = False
+    unit = 1.0  # of the lengths of steps
+    doublings = 0
+    slack = 0  # solutions go on in so many directions beside the tangent
+    flat = 1e-7  # a singular value below this part of the largest counts as 0
+
+    def linear(self, x: numpy.ndarray) -> Linear | None:
+        """Returns the equations at x; None where they are not finite."""
+        raise NotImplementedError
+
+    def node(self, x: numpy.ndarray, t: numpy.ndarray) -> Node | None:
+        raise NotImplementedError
+
+    def value(self, x: numpy.ndarray) -> float:
+        raise NotImplementedError
+
+    def settle(self, x: numpy.ndarray, t: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray]:
+        """Called after each step; may change the grid."""
+        return x, t
+
+    # -- the bordered equations ---------------------------------------------------------------
+
+    def _solved(self, at: Linear, row: numpy.ndarray, gap: numpy.ndarray, last: float):
+        matrix = numpy.concatenate([at.slopes, row[None]])
+        return numpy.linalg.lstsq(matrix, numpy.append(gap, last), rcond=self.flat)[0]
+
+    def correct(self, x: numpy.ndarray, row: numpy.ndarray, last: float):
+        """Returns the solution with row . x[of] = last near x, and the number of iterations; None
+        if Newton's method does not find it."""
+        for k in range(ROUNDS):
+            at = self.linear(x)
+            if at is None:
+                return None
+            step = at.expand(self._solved(at, row, -at.gap, last - row @ x[self.of]), False)
+            x = x + step
+            size = abs(step).max()
+            if not size < 1:
+                return None
+            if size < SMALL:
+                at = self.linear(x)
+                return (x, k) if at is not None and at.size < 1e-7 else None
+        return None
+
+    def tangent(self, x: numpy.ndarray, before: numpy.ndarray) -> numpy.ndarray:
+        """Returns the direction of the branch at x, nearest to `before`, of length 1."""
+        at = self.linear(x)
+        row = before[self.of]
+        t = at.expand(self._solved(at, row / numpy.linalg.norm(row), 0 * at.gap, 1.0), True)
+        return t / numpy.linalg.norm(t[self.of])
+
+    def aside(self, node: Node) -> numpy.ndarray | None:
+        """Returns the other direction in which solutions go on from a branch point; None where they
+        go on in more."""
+        if self.slack:
+            return None
+        at, t = self.linear(node.x), node.t[self.of]
+        _, _, v = numpy.linalg.svd(numpy.concatenate([at.slopes, t[None]]))
+        other = at.expand(v[-1], True)
+        return other / numpy.linalg.norm(other[self.of])
+
+    def apart(self, a: Node, b: Node) -> numpy.ndarray:
+        """Returns the displacement from a to b, which may be of other grids."""
+        raise NotImplementedError
+
+    def ends(self, node: Node) -> str:
+        """Returns why a branch ends at a point within the range, or ""."""
+        return ""
+
+    def doubled(self, node: Node) -> tuple[Problem, Node] | None:
+        """Returns the problem of twice the period, and its first point beside a doubling."""
+        return None
+
+    def is_simple(self, node: Node) -> bool:
+        """Returns whether one branch alone goes through a point. Another branch through a pitchfork
+        turns there as at a fold."""
+        return self.slack_at(node, NEARLY) <= self.slack
+
+    def slack_at(self, node: Node, small: float = 1e-6) -> int:
+        """Returns in how many directions beside the tangent solutions go on."""
+        at, t = self.linear(node.x), node.t[self.of]
+        s = numpy.linalg.svd(numpy.concatenate([at.slopes, t[None]]), compute_uv=False)
+        return int((s[: len(t)] < small * s[0]).sum())
+
+    def at(self, node: Node) -> Node:
+        """Makes the grid that of the node."""
+        self.grid = node.grid
+        return node
+
+    # -- test functions -----------------------------------------------------------------------
+
+    def determinant(self, values: numpy.ndarray, plus: float) -> float:
+        """Returns the product of (value - plus), each factor of at most 1 in size."""
+        factors = values - plus
+        return float(numpy.prod(factors / numpy.fmax(1, abs(factors))).real)
+
+    def growth(self, values: numpy.ndarray) -> numpy.ndarray:
+        return numpy.log(abs(values) + 1e-300) if self.is_map else values.real
+
+    def grows(self, values: numpy.ndarray) -> int:
+        """Returns how many small motions grow."""
+        most = 1e-6 if self.is_map else 1e-7 * abs(values).max(initial=0.0)
+        return int((self.growth(values) > most).sum())
+
+
+def _between(problem: Problem, a: Node, b: Node, f: Callable[[Node], float]) -> Node | None:
+    """Returns the point of the branch between two nodes of one grid at which f changes its sign."""
+    from scipy.optimize import brentq
+
+    row = (b.x - a.x)[problem.of]
+    length = numpy.linalg.norm(row)
+    row = row / length
+
+    def node(part: float) -> Node:
+        x = a.x + part * (b.x - a.x)
+        found = problem.correct(x, row, row @ x[problem.of])
+        made = found and problem.node(found[0], problem.tangent(found[0], a.t))
+        if made is None:
+            raise ArithmeticError
+        return made
+
+    try:
+        part = brentq(lambda s: f(node(s)), 0, 1, xtol=1e-12, rtol=1e-14, maxiter=80)
+        return node(part)
+    except (ArithmeticError, RuntimeError, ValueError):
+        return None
+
+
+def _events(problem: Problem, a: Node, b: Node) -> list[Node]:
+    """Returns the special points between two nodes, in order."""
+    found: list[Node] = []
+
+    def look(kind: str, f: Callable[[Node], float]) -> bool:
+        if f(a) * f(b) < 0 and (at := _between(problem, a, b, f)) is not None:
+            at.kind = kind if kind != "fold" or problem.is_simple(at) else "branch point"
+            found.append(at)
+            return True
+        return False
+
+    real = 0
+    one = 1.0 if problem.is_map else 0.0
+    if look("fold", lambda n: n.rate):
+        real += 1
+    else:
+        real += look("branch point", lambda n: problem.determinant(n.values, one))
+    if problem.is_map:
+        real += look("period doubling", lambda n: problem.determinant(n.values, -1.0))
+    more = abs(problem.grows(b.values) - problem.grows(a.values))
+    if more >= 2 and not (real and more == real):
+        oscillates(problem, a, b, look)
+    return sorted(found, key=lambda n: numpy.linalg.norm((n.x - a.x)[problem.of]))
+
+
+def oscillates(problem: Problem, a: Node, b: Node, look: Callable) -> None:
+    """Looks for an oscillation that begins to grow: Hopf's bifurcation, or of orbits a torus. Where
+    each mode has one that decays as fast, two frequencies meet (M. G. Krein, 1950)."""
+    before, after = (problem.grows(1 / n.values if problem.is_map else -n.values) for n in (a, b))
+    growing = [problem.grows(n.values) for n in (a, b)]
+    if (after - before) * (growing[1] - growing[0]) > 0:
+        look("Krein collision", lambda n: problem.grows(n.values) - sum(growing) / 2)
+        return
+
+    def nearest(n: Node) -> float:
+        g = problem.growth(n.values[abs(n.values.imag) > 1e-9 * abs(n.values)])
+        return float(g[abs(g).argmin()]) if g.size else math.nan
+
+    kind = "torus" if problem.is_map else "hopf"
+    if not (nearest(a) * nearest(b) < 0 and look(kind, nearest)):
+        look(kind, lambda n: problem.grows(n.values) - sum(growing) / 2)
+
+
+def _half(problem: Problem, begun: Node, first: numpy.ndarray, ends: tuple[float, float]):
+    """Returns the nodes from one on in direction `first`, the special ones among them, and why they
+    end."""
+    a = problem.node(begun.x, problem.tangent(begun.x, first))
+    nodes, specials, length = [begun], [], FIRST * problem.unit
+    lo, hi = ends
+    while len(nodes) < MOST_POINTS:
+        if length < SHORTEST * problem.unit:
+            return nodes, specials, "Newton's method finds no further point"
+        guess = a.x + length * a.t
+        row = a.t[problem.of]
+        found = problem.correct(guess, row, row @ guess[problem.of])
+        t = None if found is None else problem.tangent(found[0], a.t)
+        if t is None or t[problem.of] @ row < STRAIGHT:
+            length /= 2
+            continue
+        b = problem.node(found[0], t)
+        if b is None:
+            length /= 2
+            continue
+        out = next((end for end in ends if not lo <= b.value <= hi and _apart(a, b, end)), None)
+        if out is not None:
+            end = _between(problem, a, b, lambda n, out=out: n.value - out)
+            b = end or b
+        events = _events(problem, a, b)
+        specials += events
+        nodes += [*events, b]
+        if out is not None:
+            return nodes, specials, "the range ends"
+        if not lo <= b.value <= hi:
+            return nodes[:-1], specials, "the range ends"
+        if len(nodes) > 10 and _is_same(problem, begun, b, 2 * length / problem.unit):
+            return nodes, specials, "it is closed"
+        if problem.ends(b):
+            return nodes, specials, problem.ends(b)
+        x, t = problem.settle(b.x, b.t)
+        a = problem.node(x, t) if x is not b.x else b
+        if a is None:
+            return nodes, specials, "the grid does not resolve it"
+        bend = t[problem.of] @ row
+        length = min(LONGEST * problem.unit, length * (1.5 if found[1] <= EASY and bend > 0.98 else 1.0))
+    return nodes, specials, f"after {MOST_POINTS} points"
+
+
+def _apart(a: Node, b: Node, end: float) -> bool:
+    return (a.value - end) * (b.value - end) < 0
+
+
+def _is_same(problem: Problem, a: Node, b: Node, most: float) -> bool:
+    near = numpy.linalg.norm(problem.apart(a, b)) < most
+    return bool(near and a.t[problem.of] @ b.t[problem.of] > 0.9) if near else False
+
+
+def _is_on(path: Path, node: Node) -> bool:
+    """Returns whether a point lies on a branch, or on the chord of two of its points."""
+    for a, b in pairwise(path.nodes):
+        to, along = (path.problem.apart(a, n) for n in (node, b))
+        square = along @ along
+        part = min(1.0, max(0.0, to @ along / square)) if square else 0.0
+        if numpy.linalg.norm(to - part * along) < SAME + BENT * square:
+            return True
+    return False
+
+
+def _both_ways(problem: Problem, seed: Node, ways: Sequence[numpy.ndarray | Node], ends, origin):
+    """Returns the branch that goes on from a point in two directions, each a tangent, or a point
+    beside a branch point."""
+    halves = []
+    for way in ways:
+        beside = isinstance(way, Node)
+        problem.at(way if beside else seed)
+        halves.append(_half(problem, way if beside else seed, way.t if beside else way, ends))
+    (back, before, first), (on, after, last) = halves
+    middle = [*back[:0:-1], seed, *on[1:]] if origin is None else [*back[::-1], seed, *on]
+    return Path(middle, [first, last], origin, problem, [*before[::-1], *after])
+
+
+def _switched(problem: Problem, node: Node, ends: tuple[float, float]) -> Path | None:
+    """Returns the other branch through a branch point, and gives this its name."""
+    problem.at(node)
+    other, ways = problem.aside(node), []
+    if other is None:
+        return None
+    for sign in (-1, 1):
+        guess, row = node.x + sign * ASIDE * other, sign * other[problem.of]
+        found = problem.correct(guess, row, row @ guess[problem.of])
+        made = found and problem.node(found[0], problem.tangent(found[0], sign * other))
+        if made is None:
+            return None
+        ways.append(made)
+    left, right = (way.value - node.value for way in ways)
+    small = max(abs(left), abs(right)) < 0.1 * ASIDE * (ends[1] - ends[0])
+    node.kind = "pitchfork" if left * right > 0 or small else "branch point"
+    return _both_ways(problem, node, ways, ends, node)
+
+
+def followed(seeds: Sequence[Seed], ends: tuple[float, float]) -> list[Path]:
+    """Returns the branches through the seeds, and those that begin at their branch points and
+    period doublings. The parameter is within `ends`."""
+    paths: list[Path] = []
+    looked = 0
+    for seed in seeds:
+        problem, node = seed.problem, seed.problem.at(seed.node)
+        if any(_is_on(path, node) for path in paths if path.problem is problem):
+            continue
+        if seed.outward:
+            paths.append(_outward(problem, node, ends, seed.origin))
+        else:
+            paths.append(_both_ways(problem, node, (-node.t, node.t), ends, None))
+        while looked < len(paths) < MOST_BRANCHES:
+            _begin(paths, paths[looked], ends)
+            looked += 1
+    return paths
+
+
+def _outward(problem: Problem, node: Node, ends: tuple[float, float], origin: Node | None) -> Path:
+    nodes, specials, last = _half(problem, node, node.t, ends)
+    first = [origin] if origin else []
+    return Path([*first, *nodes], ["it begins here", last], origin, problem, specials)
+
+
+def _begin(paths: list[Path], path: Path, ends: tuple[float, float]) -> None:
+    """Adds the branches that begin at the special points of a branch."""
+    for node in path.specials:
+        others = [p for p in paths if p is not path and p.problem is path.problem]
+        if node.kind == "branch point" and not any(_is_on(p, node) for p in others):
+            new = _switched(path.problem, node, ends)
+            if new and not any(_is_on(p, new.nodes[-1]) for p in others):
+                paths.append(new)
+        elif node.kind == "period doubling" and path.problem.doublings < MOST_DOUBLINGS:
+            begun = path.problem.at(node) and path.problem.doubled(node)
+            if begun:
+                paths.append(_outward(*begun, ends, node))

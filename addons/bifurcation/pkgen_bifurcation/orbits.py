@@ -1,0 +1,441 @@
+"""Periodic orbits by orthogonal collocation: on each interval of the grid a polynomial of degree 4,
+which obeys the equations at the 4 points of Gauss. It is of order 8 at the points of the grid.
+
+The unknowns inside of intervals are eliminated, and the intervals joined to SEGMENTS, so that few
+unknowns are left: the states at the beginnings of segments, the period, the parameter. Corrections
+of these have the least norm. Conserved quantities, for which orbits are families and the equations
+depend on each other, need no more unknowns then.
+
+References: E. Doedel, H. B. Keller, J. P. Kernevez, Int. J. Bifurcation and Chaos 1 (1991) 745; R.
+D. Russell, J. Christiansen, SIAM J. Numer. Anal. 15 (1978) 59 (grids); T. F. Fairgrieve, A. D.
+Jepson, SIAM J. Numer. Anal. 28 (1991) 1446 (multipliers).
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+
+import numpy
+
+from pkgen.analysis.linear.system import System
+from pkgen.system.exits import UsageError
+
+from .family import Family
+from .follow import ASIDE, Linear, Node, Problem
+
+DEGREE = 4
+SEGMENTS = 12
+LEAST, MOST = 24, 300  # intervals
+FINE = 8.0  # intervals for each unit of the monitor function
+AGAIN = 5  # steps between adaptions of the grid
+TRIVIAL = 1e-4  # a multiplier nearer to 1 is one of a conserved quantity, at the first orbit
+TURN = 2 * math.pi
+ROUND = 1e-6  # a smaller orbit, in units of the first, has shrunk to an equilibrium
+
+
+def _tables() -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+    """Returns the points of Gauss in (0, 1), and there the values and the derivatives of Lagrange's
+    polynomials of the points k/DEGREE."""
+    points = (numpy.polynomial.legendre.leggauss(DEGREE)[0] + 1) / 2
+    inner = numpy.arange(DEGREE + 1) / DEGREE
+    W, D = numpy.empty((2, DEGREE, DEGREE + 1))
+    for k in range(DEGREE + 1):
+        basis = numpy.poly1d(numpy.delete(inner, k), r=True)
+        basis /= basis(inner[k])
+        W[:, k], D[:, k] = basis(points), basis.deriv()(points)
+    return points, W, D
+
+
+POINTS, W, D = _tables()
+HIGHEST = numpy.array([(-1) ** (DEGREE - k) * math.comb(DEGREE, k) for k in range(DEGREE + 1)])
+
+
+class Flow:
+    """The motion z' = f(t, z), z = (coordinates, first-order variables, rates) without unknowns on
+    which no rate depends."""
+
+    def __init__(self, family: Family):
+        system = family.first
+        if system.bound:
+            raise UsageError("--orbit is of models without constraints and rotations; --section too")
+        n, m = system.n, system.m
+        free = ~system.idle
+        self.family = family
+        self.among = numpy.array([*numpy.flatnonzero(free), *range(n, n + m)])
+        self.where = system.unknowns_first[self.among]
+        self.count = len(self.among)
+        self.forced = not system.is_steady()
+        self.conservative = bool(system.given["conservative"]) and not system.by_norm
+
+    def states(self, system: System, z: numpy.ndarray) -> numpy.ndarray:
+        found = numpy.tile(system.begun, (*z.shape[:-1], 1))
+        found[..., self.where] = z
+        return found
+
+    def rates(self, system: System, t: numpy.ndarray, z: numpy.ndarray) -> numpy.ndarray:
+        states = self.states(system, z)
+        a = system.kernel("acceleration", t, states)
+        n, m = system.n, system.m
+        whole = numpy.concatenate([states[:, n : n + m], a[:, m:], a[:, :m]], 1)
+        return whole[:, self.among]
+
+    def slopes(self, system: System, t: numpy.ndarray, z: numpy.ndarray) -> numpy.ndarray:
+        """Returns the derivatives of rates() by z."""
+        n, m = system.n, system.m
+        by = system.kernel("jacobian", t, self.states(system, z)).reshape(-1, 2, n, n)
+        full = numpy.zeros((len(z), n + m, n + m))
+        full[:, range(m), range(n, n + m)] = 1
+        rows = numpy.array([*range(m, n), *range(m)])
+        full[:, m:, :m] = by[:, 0, rows][:, :, :m]
+        full[:, m:, [*range(n, n + m), *range(m, n)]] = by[:, 1, rows]
+        return full[numpy.ix_(range(len(z)), self.among, self.among)]
+
+    def energies(self, system: System, z: numpy.ndarray) -> numpy.ndarray:
+        return system.kernel("energy", 0.0, self.states(system, z))[:, 0]
+
+
+class Orbits(Problem):
+    """x has the states at all points of all intervals, then in units of their first values the
+    period, unless the forcing has one, and the parameter, unless the energy is free. The grid is
+    the times at which intervals begin and end, from 0 to 1."""
+
+    is_map = True
+    flat = 1e-8
+    unit = SEGMENTS**0.5
+
+    def __init__(self, flow: Flow, grid: numpy.ndarray, z: numpy.ndarray, period, value, width=None):
+        """`z` are the states of a guess at all points; `period` is a number, or a function of the
+        parameter; `width` has the units of the states."""
+        self.flow, self.family, self.grid = flow, flow.family, grid
+        self.period_of = period if callable(period) else None
+        self.laps = 1
+        self.period0 = period(value) if callable(period) else float(period)
+        self.value0 = value
+        self.width = _width(flow, z) if width is None else width
+        places = (flow.among < self.family.first.m) & (abs(z[-1] - z[0]) > 0.9 * TURN)
+        self.wind = places * TURN * numpy.round((z[-1] - z[0]) / TURN)
+        self.trivial: int | None = None
+        self.steps = 0
+        self.energy0: float | None = None
+        self.begun = self._packed(z[:-1], self.period0, value)
+        self.ref = self.begun
+        self._chosen()
+
+    # -- x ------------------------------------------------------------------------------------
+
+    @property
+    def extra(self) -> int:
+        return (self.period_of is None) + (self.family.name is not None)
+
+    def _chosen(self) -> None:
+        count = len(self.grid) - 1
+        self.segments = numpy.linspace(0, count, SEGMENTS + 1).astype(int)
+        starts = (self.segments[:-1, None] * DEGREE * self.flow.count) + numpy.arange(
+            self.flow.count
+        )
+        length = count * DEGREE * self.flow.count + self.extra
+        self.of = numpy.array([*starts.ravel(), *range(length - self.extra, length)])
+
+    def _packed(self, z: numpy.ndarray, period: float, value: float) -> numpy.ndarray:
+        low, _ = self.family.range
+        more = [period / self.period0] if self.period_of is None else []
+        more += [(value - low) / self.family.width] if self.family.name is not None else []
+        return numpy.append((z / self.width).ravel(), more)
+
+    def parts(self, x: numpy.ndarray) -> tuple[numpy.ndarray, float, float]:
+        """Returns the states at all points, the last one too, the period and the parameter."""
+        z = x[: len(x) - self.extra].reshape(-1, self.flow.count) * self.width
+        value = self.value0
+        if self.family.name is not None:
+            value = self.family.range[0] + float(x[-1]) * self.family.width
+        period = self.period_of(value) * self.laps if self.period_of else 0.0
+        if self.period_of is None:
+            period = float(x[len(x) - self.extra]) * self.period0
+        return numpy.concatenate([z, z[:1] + self.wind]), period, value
+
+    def value(self, x: numpy.ndarray) -> float:
+        z, _, value = self.parts(x)
+        if self.family.name is None:
+            return float(self.flow.energies(self.family.first, z[:1])[0])
+        return value
+
+    def energy_row(self, x: numpy.ndarray) -> numpy.ndarray:
+        """Returns the derivatives of the energy at the beginnings of segments, their mean, by the
+        unknowns x[of]."""
+        z, _, value = self.parts(x)
+        system = self.family.system(value)
+        at = z[:-1:DEGREE][self.segments[:-1]]
+        by = 1e-6 * numpy.diag(self.width)
+        beside = numpy.concatenate([at[:, None] + by, at[:, None] - by], 1)
+        h = self.flow.energies(system, beside.reshape(-1, self.flow.count))
+        h = h.reshape(len(at), 2, self.flow.count)
+        return numpy.append((h[:, 0] - h[:, 1]).ravel() / 2e-6 / len(at), numpy.zeros(self.extra))
+
+    # -- the equations ------------------------------------------------------------------------
+
+    def _forces(self, x: numpy.ndarray, jacobian: bool):
+        """Returns T f at all points of Gauss, and with `jacobian` its derivatives."""
+        z, period, value = self.parts(x)
+        d, flow, system = self.flow.count, self.flow, self.family.system(value)
+        index = numpy.arange(len(self.grid) - 1)[:, None] * DEGREE + numpy.arange(DEGREE + 1)
+        Y = z[index]
+        at = numpy.einsum("jk,ikd->ijd", W, Y).reshape(-1, d)
+        h = numpy.diff(self.grid)
+        times = (self.grid[:-1, None] + h[:, None] * POINTS).ravel()
+        t = times * period if flow.forced else numpy.zeros(len(times))
+        F = flow.rates(system, t, at)
+        gap = numpy.einsum("jk,ikd->ijd", D, Y) / h[:, None, None]
+        gap -= period * F.reshape(gap.shape)
+        if not jacobian:
+            return gap
+        columns = [F * self.period0] if self.period_of is None else []
+        if self.family.name is not None:
+            low, high = self.family.beside(value)
+            ends = []
+            for p in (low, high):
+                T = self.period_of(p) * self.laps if self.period_of else period
+                by = times * T if flow.forced else t
+                ends.append(T * flow.rates(self.family.system(p), by, at))
+            columns.append((ends[1] - ends[0]) / (high - low) * self.family.width)
+        A = period * flow.slopes(system, t, at)
+        return gap, A, numpy.stack(columns, -1), F
+
+    def linear(self, x: numpy.ndarray) -> Linear | None:
+        d, count, K = self.flow.count, len(self.grid) - 1, SEGMENTS
+        try:
+            gap, A, columns, _ = self._forces(x, True)
+        except UsageError:  # the parameter is out of its bounds
+            return None
+        extra = columns.shape[-1]
+        scale = self.width
+        h = numpy.diff(self.grid)
+        A = (A * scale / scale[:, None]).reshape(count, DEGREE, d, d)
+        B = numpy.einsum("jk,de->jdke", D, numpy.eye(d))[None] / h[:, None, None, None, None]
+        B = B - numpy.einsum("jk,ijde->ijdke", W, A)
+        B = B.reshape(count, DEGREE * d, (DEGREE + 1) * d)
+        gap = (gap / scale).reshape(count, -1, 1)
+        columns = (columns / scale[:, None]).reshape(count, DEGREE * d, extra)
+        right = numpy.concatenate([-B[:, :, :d], columns, -gap], 2)
+        if not numpy.isfinite(right).all() or not numpy.isfinite(B).all():
+            return None
+        try:
+            inner = numpy.linalg.solve(B[:, :, d:], right)
+        except numpy.linalg.LinAlgError:
+            return None
+        # Of each interval the state at its beginning, by those at the beginning of its segment.
+        wide = d + extra + 1
+        one = numpy.concatenate([numpy.eye(d), numpy.zeros((d, extra + 1))], 1)
+        begins = numpy.empty((count, d, wide))
+        maps, to = [], numpy.concatenate([numpy.zeros((extra + 1, d)), numpy.eye(extra + 1)], 1)
+        for first, last in zip(self.segments[:-1], self.segments[1:], strict=True):
+            M = one
+            for i in range(first, last):
+                begins[i] = M
+                M = inner[i, -d:] @ numpy.concatenate([M, to])
+            maps.append(M)
+        rows = numpy.zeros((K * d, K * d + extra))
+        off = numpy.empty(K * d)
+        for k, M in enumerate(maps):
+            part = slice(k * d, (k + 1) * d)
+            rows[part, part] += M[:, :d]
+            after = (k + 1) % K * d
+            rows[part, after : after + d] -= numpy.eye(d)
+            rows[part, K * d :] += M[:, d:-1]
+            off[part] = M[:, -1]
+        more, gaps = self._more(x)
+        self.maps = [M[:, :d] for M in maps]
+
+        def expand(step: numpy.ndarray, homogeneous: bool) -> numpy.ndarray:
+            own, tail = step[: K * d].reshape(K, d), step[K * d :]
+            last = numpy.append(tail, 0.0 if homogeneous else 1.0)
+            found = numpy.empty((count, DEGREE, d))
+            for k, (first, end) in enumerate(zip(self.segments[:-1], self.segments[1:], strict=True)):
+                at = begins[first:end] @ numpy.append(own[k], last)
+                found[first:end, 0] = at
+                both = numpy.concatenate([at, numpy.tile(last, (end - first, 1))], 1)
+                inside = numpy.einsum("iab,ib->ia", inner[first:end], both)
+                found[first:end, 1:] = inside.reshape(end - first, DEGREE, d)[:, :-1]
+            return numpy.append(found.ravel(), tail)
+
+        slopes = numpy.concatenate([rows, more])
+        size = float((abs(gap).max((1, 2)) * h).max())
+        return Linear(numpy.append(off, gaps), slopes, expand, size)
+
+    def _more(self, x: numpy.ndarray) -> tuple[numpy.ndarray, list[float]]:
+        """Returns the rows of the phase, which is the nearest to that of the orbit `ref`, and of
+        the energy where it is kept."""
+        rows, gaps = [], []
+        if not self.flow.forced:
+            z, period, value = self.parts(self.ref)
+            at = z[:-1:DEGREE][self.segments[:-1]]
+            F = self.flow.rates(self.family.system(value), numpy.zeros(len(at)), at) / self.width
+            F = F.ravel() / numpy.linalg.norm(F)
+            rows.append(numpy.append(F, numpy.zeros(self.extra)))
+            gaps.append(float(rows[-1] @ (x - self.ref)[self.of]))
+        if self.energy0 is not None:
+            z, _, value = self.parts(x)
+            row = self.energy_row(x)
+            size = numpy.linalg.norm(row) or 1.0
+            low, high = self.family.beside(value)
+            at = z[:-1:DEGREE][self.segments[:-1]]
+            a, b, h = (
+                self.flow.energies(self.family.system(p), at).mean() for p in (low, high, value)
+            )
+            row[-1] = (b - a) / (high - low) * self.family.width
+            rows.append(row / size)
+            gaps.append(float(h - self.energy0) / size)
+        return numpy.array(rows).reshape(len(rows), len(self.of)), gaps
+
+    # -- nodes --------------------------------------------------------------------------------
+
+    def multipliers(self) -> numpy.ndarray:
+        """Returns the multipliers, by the maps over both halves of the orbit: their product has
+        lost the small ones where others are large."""
+        from scipy.linalg import eig
+
+        halves = []
+        for part in (self.maps[: SEGMENTS // 2], self.maps[SEGMENTS // 2 :]):
+            M = numpy.eye(self.flow.count)
+            for one in part:
+                M = one @ M
+            halves.append(M)
+        try:
+            return eig(halves[0], numpy.linalg.inv(halves[1]), right=False)
+        except numpy.linalg.LinAlgError:
+            return numpy.linalg.eigvals(halves[1] @ halves[0])
+
+    def node(self, x: numpy.ndarray, t: numpy.ndarray) -> Node | None:
+        if self.linear(x) is None:
+            return None
+        values = self.multipliers()
+        values = values[numpy.argsort(abs(values - 1))]
+        if self.trivial is None:
+            near = int((abs(values - 1) < TRIVIAL).sum())
+            self.trivial = 0 if self.flow.forced else max(2, near) if self.flow.conservative else 1
+        z, period, value = self.parts(x)
+        system = self.family.system(value)
+        whole = self.flow.states(system, z)
+        names = self.family.names()
+        low, high = whole.min(0)[system.used], whole.max(0)[system.used]
+        about = {
+            "state": self.family.state(system, whole[0]),
+            "period": period,
+            "energy": self.family.energy(system, whole[0]) if not self.flow.forced else None,
+            "extents": {k: (float(a), float(b)) for k, a, b in zip(names, low, high, strict=True)},
+        }
+        rate = float(t[-1]) * self.family.width
+        if self.family.name is None:
+            rate = float(self.energy_row(x) @ t[self.of])
+        return Node(x, t, self.value(x), rate, values[self.trivial :], about, self.grid)
+
+    def at(self, node: Node) -> Node:
+        self.grid = node.grid
+        self._chosen()
+        self.ref = node.x
+        return node
+
+    def apart(self, a: Node, b: Node) -> numpy.ndarray:
+        def mark(n: Node) -> numpy.ndarray:
+            ends = numpy.array([*n.about["extents"].values()])[:, 0] * 1.0
+            more = [n.value / self.family.width, math.log(n.about["period"])]
+            wide = numpy.ptp([*n.about["extents"].values()], axis=1)
+            return numpy.array([*more, *wide, *ends])
+
+        scale = numpy.array([*numpy.ptp([*a.about["extents"].values()], axis=1)])
+        scale = numpy.where(scale > 0, scale, 1.0)
+        return (mark(b) - mark(a)) / numpy.array([1, 1, *scale, *scale])
+
+    def ends(self, node: Node) -> str:
+        size = max(b - a for a, b in node.about["extents"].values())
+        return "the orbit has shrunk to an equilibrium" if size < ROUND * self.width.max() else ""
+
+    # -- the grid -----------------------------------------------------------------------------
+
+    def settle(self, x: numpy.ndarray, t: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray]:
+        self.ref = x
+        self.steps += 1
+        if self.steps % AGAIN:
+            return x, t
+        return self.adapted(x, t)
+
+    def adapted(self, x: numpy.ndarray, t: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray]:
+        """Returns the orbit and its tangent on a grid whose intervals have like errors: the integral
+        of |5th derivative|^(1/5) over each is the same."""
+        count, h = len(self.grid) - 1, numpy.diff(self.grid)
+        index = numpy.arange(count)[:, None] * DEGREE + numpy.arange(DEGREE + 1)
+        z = self.parts(x)[0] / self.width
+        top = numpy.einsum("k,ikd->id", HIGHEST, z[index]) * (DEGREE / h[:, None]) ** DEGREE
+        jumps = numpy.diff(top, axis=0, append=top[:1])
+        fifth = abs(jumps).max(1) / ((h + numpy.roll(h, -1)) / 2)
+        monitor = (fifth ** (1 / (DEGREE + 1)) + numpy.roll(fifth, 1) ** (1 / (DEGREE + 1))) / 2
+        monitor = numpy.fmax(monitor, 0.05 * (monitor @ h))
+        total = numpy.append(0.0, numpy.cumsum(monitor * h))
+        wanted = int(min(MOST, max(LEAST, math.ceil(FINE * total[-1]))))
+        old, fine = copy.copy(self), numpy.linspace(0, total[-1], wanted + 1)
+        self.grid = numpy.interp(fine, total, self.grid)
+        self._chosen()
+        self.ref = self._carried(old, x, self.wind / self.width)
+        to = self._carried(old, t, 0 * self.wind)
+        row = to[self.of] / numpy.linalg.norm(to[self.of])
+        found = self.correct(self.ref, row, float(row @ self.ref[self.of]))
+        if found is None:
+            self.grid, self.ref = old.grid, x
+            self._chosen()
+            return x, t
+        self.ref = found[0]
+        return found[0], self.tangent(found[0], to)
+
+    def doubled(self, node: Node) -> tuple[Problem, Node] | None:
+        twice = copy.copy(self)
+        twice.doublings += 1
+        twice.laps, twice.period0, twice.wind = 2 * self.laps, 2 * self.period0, 2 * self.wind
+        twice.grid = numpy.append(self.grid / 2, 0.5 + self.grid[1:] / 2)
+        twice._chosen()
+
+        def both(x: numpy.ndarray, wind: numpy.ndarray) -> numpy.ndarray:
+            count = len(x) - self.extra
+            z = x[:count].reshape(-1, self.flow.count)
+            return numpy.concatenate([z.ravel(), (z + wind).ravel(), x[count:]])
+
+        x, t = both(node.x, self.wind / self.width), both(node.t, 0 * self.wind)
+        twice.ref = x
+        other = twice.aside(Node(x, t, node.value, node.rate, node.values, {}))
+        if other is None:
+            return None
+        row = other[twice.of]
+        found = twice.correct(x + ASIDE * other, row, float(row @ x[twice.of]) + ASIDE)
+        made = found and twice.node(found[0], twice.tangent(found[0], other))
+        return (twice, made) if made else None
+
+    def _carried(self, old: Orbits, x: numpy.ndarray, wind: numpy.ndarray) -> numpy.ndarray:
+        z = x[: len(x) - self.extra].reshape(-1, self.flow.count)
+        z = numpy.concatenate([z, z[:1] + wind])
+        times = points(self.grid)[:-1]
+        return numpy.append(interpolated(old.grid, z, times).ravel(), x[len(x) - self.extra :])
+
+
+def _width(flow: Flow, z: numpy.ndarray) -> numpy.ndarray:
+    """Returns the widths of an orbit, or a tenth of the largest one of coordinates, or of rates."""
+    width, rates = numpy.ptp(z, axis=0), flow.among >= flow.family.first.n
+    for kind in (rates, ~rates):
+        width[kind] = numpy.fmax(width[kind], 0.1 * width[kind].max(initial=0.0))
+    return numpy.where(width > 0, width, 1.0)
+
+
+def points(grid: numpy.ndarray) -> numpy.ndarray:
+    """Returns the times of all states."""
+    inner = grid[:-1, None] + numpy.diff(grid)[:, None] * numpy.arange(DEGREE) / DEGREE
+    return numpy.append(inner.ravel(), grid[-1])
+
+
+def interpolated(grid: numpy.ndarray, z: numpy.ndarray, times: numpy.ndarray) -> numpy.ndarray:
+    """Returns the polynomials at times."""
+    i = numpy.clip(numpy.searchsorted(grid, times, "right") - 1, 0, len(grid) - 2)
+    s = (times - grid[i]) / numpy.diff(grid)[i] * DEGREE
+    found = 0.0
+    for k in range(DEGREE + 1):
+        others = [j for j in range(DEGREE + 1) if j != k]
+        basis = numpy.prod([(s - j) / (k - j) for j in others], axis=0)
+        found = found + basis[:, None] * z[i * DEGREE + k]
+    return found
