@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -17,7 +18,7 @@ from .family import Family
 from .follow import Node, Path, Seed
 from .orbits import LEAST, MOST, TURN, Flow, Orbits, points
 
-LATER = (0, 20, 300)  # periods after which a motion with friction may be near an orbit
+LATER = (0, 500, 5000)  # steps after which a motion with friction may be near an orbit
 FURTHEST = 4000  # steps among which a return is looked for
 NEAR, FINE = 0.2, 40  # distance of a return, in units of the motion's extent; points of a step
 SMALL = 1e-2  # amplitude of a first small orbit, in units of the box
@@ -65,8 +66,8 @@ def _motion(flow: Flow, system: System, state: numpy.ndarray, until: float):
     return t, z, flow.rates(system, t if flow.forced else 0 * t, z)
 
 
-def _return(flow: Flow, system: System, state: numpy.ndarray) -> float:
-    """Returns the time at which the motion first comes back, nearer than it will for long."""
+def _return(flow: Flow, system: System, state: numpy.ndarray) -> float | None:
+    """Returns the time at which the motion first comes back to about its start, or None."""
     from scipy.interpolate import CubicHermiteSpline
 
     t, z, rates = _motion(flow, system, state, 1e300)
@@ -80,7 +81,9 @@ def _return(flow: Flow, system: System, state: numpy.ndarray) -> float:
         away = (along - along[0])[:, used]
         turns = ((flow.among < system.m) & (scale > TURN - 1))[used]
         away -= turns * TURN * numpy.round(away / TURN)
-        far = numpy.linalg.norm(away / numpy.fmin(scale[used], numpy.where(turns, TURN, 1e300)), axis=1)
+        far = numpy.linalg.norm(
+            away / numpy.fmin(scale[used], numpy.where(turns, TURN, 1e300)), axis=1
+        )
         first = int((far > 0.5 * far.max(initial=0.0)).argmax())
         if not used.any():
             raise UsageError("the start is at rest: no orbit begins there")
@@ -89,7 +92,17 @@ def _return(flow: Flow, system: System, state: numpy.ndarray) -> float:
         near = near[near > first]
         if near.size:
             return float(fine[near[0]])
-    raise UsageError("the motion does not come back to its start: --period has about its time")
+    return None
+
+
+def _later(system: System, state: numpy.ndarray, steps: int, period: float | None):
+    """Returns the state after so many steps or more, at a multiple of the forcing's period; None if
+    the motion ends before."""
+    it = system.begin(EXACT, state, rtol=1e-9)
+    it.steps(1e300, steps)
+    if period:
+        it.to(math.ceil(it.t / period) * period)
+    return None if it.failed else it.state
 
 
 def from_start(family: Family, text: str | None) -> list[Seed]:
@@ -102,17 +115,13 @@ def from_start(family: Family, text: str | None) -> list[Seed]:
     elif callable(of):
         of = of(value)
     about = of(value) if callable(of) else of
-    state = system.begun
+    state, away = system.begun, False
     for later in LATER[: 1 if flow.conservative and not flow.forced else None]:
-        T = about or _return(flow, system, state)
         if later:
-            it = system.begin(EXACT, state, rtol=1e-9)
-            it.to(later * T)
-            if it.failed:
-                break
-            state = it.state
-            T = about or _return(flow, system, state)
-        found = _orbit(flow, system, state, of if flow.forced else T, T, value)
+            state = _later(system, state, later, about if flow.forced else None)
+        T = state is not None and (about or _return(flow, system, state))
+        away = away or T is None
+        found = _orbit(flow, system, state, of if flow.forced else T, T, value) if T else None
         if found is not None:
             problem, seed = found
             low, high = family.range
@@ -122,7 +131,11 @@ def from_start(family: Family, text: str | None) -> list[Seed]:
                     "which FROM:TO is to contain"
                 )
             return [Seed(problem, seed)]
-    raise UsageError("no periodic orbit was found near the start; with --period T it is sought with about this one")
+    if away:
+        raise UsageError("the motion does not come back to its start: --period has about its time")
+    raise UsageError(
+        "no periodic orbit was found near the start; with --period T it is sought with about this one"
+    )
 
 
 def _orbit(flow, system, state, of, T: float, value: float) -> tuple[Orbits, Node] | None:
@@ -155,7 +168,7 @@ def _orbit(flow, system, state, of, T: float, value: float) -> tuple[Orbits, Nod
     for _ in range(2):
         x, t = problem.adapted(x, t)
     seed = problem.node(x, t)
-    if seed is None or seed.about["period"] < 0.2 * T or problem.ends(seed):
+    if seed is None or seed.about["period"] < 0.2 * T:
         return None
     problem.slack = problem.slack_at(seed)
     return problem, seed
@@ -213,7 +226,9 @@ def from_centre(family: Family) -> list[Seed]:
         )
     found = small(family, flow, system, state, 0.0, _units(flow, numpy.array(rest.box)))
     if not found:
-        raise UsageError("about the equilibrium nearest to the start all oscillations grow or decay")
+        raise UsageError(
+            "about the equilibrium nearest to the start all oscillations grow or decay"
+        )
     return [Seed(*one, outward=True) for one in found]
 
 

@@ -97,10 +97,19 @@ def of_compiled(options: argparse.Namespace, compilation: Compilation) -> Branch
     from . import begin
     from .equilibria import Equilibria
     from .follow import followed
+    from .returns import Returns
 
     family = Family(options, compilation)
     sets = () if family.name is None else (family.name,)
     found = []
+    if options.section is not None:
+        if options.orbit is not None:
+            raise UsageError("--section finds orbits by itself, without --orbit")
+        problem = Returns(family, options)
+        found += made("returns", followed(problem.seeds(), family.range), sets)
+        return Branches(compilation.model.name, family.title, family.unit, tuple(found))
+    if options.close is not None:
+        raise UsageError("--close is of a return map: --section EVENT")
     if options.orbit in (None, "hopf"):
         if family.name is None:
             raise UsageError("--free energy is of orbits: --orbit start or centre")

@@ -51,7 +51,7 @@ class Equilibria(Problem):
     def value(self, x: numpy.ndarray) -> float:
         return self.parts(x)[1]
 
-    def linear(self, x: numpy.ndarray) -> Linear | None:
+    def _linear(self, x: numpy.ndarray) -> Linear | None:
         z, value = self.parts(x)
         try:
             (gap,), (slopes,), (good,) = self.steady(value).linear(z[None])

@@ -16,6 +16,12 @@ from pkgen.system.near import unknown
 
 ENERGY = "energy"
 BESIDE = 1e-5  # step of differences by the parameter, in units of the range
+# Statements that are known of equilibria, of orbits, of return maps.
+RUNS = {
+    "": ("samples", "noises"),
+    "orbit": (),
+    "section": ("resetting", "contacts", "frictions", "modes"),
+}
 KINDS = ("acceleration", "energy")
 
 
@@ -54,12 +60,13 @@ class Family:
         if not low < high:
             raise UsageError(f"--free {options.free}: FROM is to be less than TO")
         self.range, self.width = (low, high), high - low
-        self.first = opened(self._at(low), compilation, "pkgen continue")
+        kind = "section" if options.section else "orbit" if options.orbit else ""
+        self.first = opened(self._at(low), compilation, "pkgen continue", RUNS[kind])
         self.bound = self.first.bound
         self.system = lru_cache(maxsize=32)(self._system)
         if not self.first.is_steady() and compilation.structure.autonomous:
             raise UsageError("the inputs depend on time: continuation has constant ones")
-        if self.name is not None:
+        if self.name is not None and not options.section:  # there events may depend on it
             self._influences()
 
     def _at(self, value: float) -> argparse.Namespace:
@@ -108,7 +115,10 @@ class Family:
             for a, b in zip(one, found[0], strict=True)
         )
         if same and all((x == starts[0]).all() for x in starts):
-            raise UsageError(f"--free {self.title}: the motion does not depend on it")
+            raise UsageError(self.idle())
+
+    def idle(self) -> str:
+        return f"--free {self.title}: the motion does not depend on it"
 
     def names(self) -> list[str]:
         """Returns the names of coordinates, then of rates and first-order variables."""

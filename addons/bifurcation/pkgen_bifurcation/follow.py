@@ -25,6 +25,7 @@ import numpy
 MOST_POINTS, MOST_BRANCHES = 1000, 24
 ROUNDS, SMALL, EASY = 12, 1e-9, 4  # Newton's iterations; the last correction; few iterations
 FIRST, LONGEST, SHORTEST = 1e-2, 5e-2, 1e-6  # lengths of steps
+CLOSED = "it is closed"
 STRAIGHT = 0.9  # cosine of the largest turn of the tangent in a step
 NEARLY = 1e-4  # as Problem.flat, at a branch point that is known roughly
 ASIDE = 2e-2  # first step on a branch that begins at a branch point
@@ -86,14 +87,22 @@ class Problem:
 
     of: numpy.ndarray | slice = slice(None)
     grid: Any = None
+    ref: Any = None  # a point that the equations refer to
     is_map = False
     unit = 1.0  # of the lengths of steps
     doublings = 0
     slack = 0  # solutions go on in so many directions beside the tangent
     flat = 1e-7  # a singular value below this part of the largest counts as 0
 
+    last: tuple = (None, None, None)
+
     def linear(self, x: numpy.ndarray) -> Linear | None:
         """Returns the equations at x; None where they are not finite."""
+        if self.last[0] is not x or self.last[1] is not self.ref:
+            self.last = x, self.ref, self._linear(x)
+        return self.last[2]
+
+    def _linear(self, x: numpy.ndarray) -> Linear | None:
         raise NotImplementedError
 
     def node(self, x: numpy.ndarray, t: numpy.ndarray) -> Node | None:
@@ -150,8 +159,8 @@ class Problem:
         """Returns the displacement from a to b, which may be of other grids."""
         raise NotImplementedError
 
-    def ends(self, node: Node) -> str:
-        """Returns why a branch ends at a point within the range, or ""."""
+    def ends(self, a: Node, b: Node) -> str:
+        """Returns why a branch ends between two points within the range, or ""."""
         return ""
 
     def doubled(self, node: Node) -> tuple[Problem, Node] | None:
@@ -256,9 +265,10 @@ def oscillates(problem: Problem, a: Node, b: Node, look: Callable) -> None:
         look(kind, lambda n: problem.grows(n.values) - sum(growing) / 2)
 
 
-def _half(problem: Problem, begun: Node, first: numpy.ndarray, ends: tuple[float, float]):
+def _half(problem: Problem, begun: Node, first: numpy.ndarray, ends, *origin: Node):
     """Returns the nodes from one on in direction `first`, the special ones among them, and why they
-    end."""
+    end: they are closed where they come back to the first one, or to `origin` before that."""
+    known = [begun, *origin]
     a = problem.node(begun.x, problem.tangent(begun.x, first))
     nodes, specials, length = [begun], [], FIRST * problem.unit
     lo, hi = ends
@@ -276,27 +286,29 @@ def _half(problem: Problem, begun: Node, first: numpy.ndarray, ends: tuple[float
         if b is None:
             length /= 2
             continue
+        if why := problem.ends(a, b):
+            return nodes, specials, why
         out = next((end for end in ends if not lo <= b.value <= hi and _apart(a, b, end)), None)
         if out is not None:
-            end = _between(problem, a, b, lambda n, out=out: n.value - out)
-            b = end or b
+            b = _between(problem, a, b, lambda n, out=out: n.value - out) or b
+        elif not lo <= b.value <= hi:
+            return nodes, specials, "the range ends"
         events = _events(problem, a, b)
         specials += events
         nodes += [*events, b]
         if out is not None:
             return nodes, specials, "the range ends"
-        if not lo <= b.value <= hi:
-            return nodes[:-1], specials, "the range ends"
-        if len(nodes) > 10 and _is_same(problem, begun, b, 2 * length / problem.unit):
-            return nodes, specials, "it is closed"
-        if problem.ends(b):
-            return nodes, specials, problem.ends(b)
+        most = 2 * length / problem.unit
+        if len(nodes) > 12 and any(_size(problem.apart(node, b)) < most for node in known):
+            return nodes, specials, CLOSED
         x, t = problem.settle(b.x, b.t)
         a = problem.node(x, t) if x is not b.x else b
         if a is None:
             return nodes, specials, "the grid does not resolve it"
         bend = t[problem.of] @ row
-        length = min(LONGEST * problem.unit, length * (1.5 if found[1] <= EASY and bend > 0.98 else 1.0))
+        length = min(
+            LONGEST * problem.unit, length * (1.5 if found[1] <= EASY and bend > 0.98 else 1.0)
+        )
     return nodes, specials, f"after {MOST_POINTS} points"
 
 
@@ -304,9 +316,8 @@ def _apart(a: Node, b: Node, end: float) -> bool:
     return (a.value - end) * (b.value - end) < 0
 
 
-def _is_same(problem: Problem, a: Node, b: Node, most: float) -> bool:
-    near = numpy.linalg.norm(problem.apart(a, b)) < most
-    return bool(near and a.t[problem.of] @ b.t[problem.of] > 0.9) if near else False
+def _size(x: numpy.ndarray) -> float:
+    return float(numpy.linalg.norm(x))
 
 
 def _is_on(path: Path, node: Node) -> bool:
@@ -326,8 +337,12 @@ def _both_ways(problem: Problem, seed: Node, ways: Sequence[numpy.ndarray | Node
     halves = []
     for way in ways:
         beside = isinstance(way, Node)
-        problem.at(way if beside else seed)
-        halves.append(_half(problem, way if beside else seed, way.t if beside else way, ends))
+        begun, first = (way, way.t) if beside else (seed, way)
+        if halves and halves[0][2] == CLOSED:
+            halves.append(([begun], [], CLOSED))
+            break
+        problem.at(begun)
+        halves.append(_half(problem, begun, first, ends, *([origin] if origin else [])))
     (back, before, first), (on, after, last) = halves
     middle = [*back[:0:-1], seed, *on[1:]] if origin is None else [*back[::-1], seed, *on]
     return Path(middle, [first, last], origin, problem, [*before[::-1], *after])
@@ -381,7 +396,9 @@ def _begin(paths: list[Path], path: Path, ends: tuple[float, float]) -> None:
     """Adds the branches that begin at the special points of a branch."""
     for node in path.specials:
         others = [p for p in paths if p is not path and p.problem is path.problem]
-        if node.kind == "branch point" and not any(_is_on(p, node) for p in others):
+        if node.kind == "branch point" and any(_is_on(p, node) for p in others):
+            node.kind = ""  # it is on the other branch, too
+        elif node.kind == "branch point":
             new = _switched(path.problem, node, ends)
             if new and not any(_is_on(p, new.nodes[-1]) for p in others):
                 paths.append(new)

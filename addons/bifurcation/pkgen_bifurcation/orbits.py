@@ -31,7 +31,7 @@ FINE = 8.0  # intervals for each unit of the monitor function
 AGAIN = 5  # steps between adaptions of the grid
 TRIVIAL = 1e-4  # a multiplier nearer to 1 is one of a conserved quantity, at the first orbit
 TURN = 2 * math.pi
-ROUND = 1e-6  # a smaller orbit, in units of the first, has shrunk to an equilibrium
+CONTRACTS = 1e10  # condition of a map whose inverse says nothing
 
 
 def _tables() -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
@@ -58,7 +58,9 @@ class Flow:
     def __init__(self, family: Family):
         system = family.first
         if system.bound:
-            raise UsageError("--orbit is of models without constraints and rotations; --section too")
+            raise UsageError(
+                "--orbit is of models without constraints and rotations; --section too"
+            )
         n, m = system.n, system.m
         free = ~system.idle
         self.family = family
@@ -104,7 +106,9 @@ class Orbits(Problem):
     flat = 1e-8
     unit = SEGMENTS**0.5
 
-    def __init__(self, flow: Flow, grid: numpy.ndarray, z: numpy.ndarray, period, value, width=None):
+    def __init__(
+        self, flow: Flow, grid: numpy.ndarray, z: numpy.ndarray, period, value, width=None
+    ):
         """`z` are the states of a guess at all points; `period` is a number, or a function of the
         parameter; `width` has the units of the states."""
         self.flow, self.family, self.grid = flow, flow.family, grid
@@ -201,7 +205,7 @@ class Orbits(Problem):
         A = period * flow.slopes(system, t, at)
         return gap, A, numpy.stack(columns, -1), F
 
-    def linear(self, x: numpy.ndarray) -> Linear | None:
+    def _linear(self, x: numpy.ndarray) -> Linear | None:
         d, count, K = self.flow.count, len(self.grid) - 1, SEGMENTS
         try:
             gap, A, columns, _ = self._forces(x, True)
@@ -250,7 +254,9 @@ class Orbits(Problem):
             own, tail = step[: K * d].reshape(K, d), step[K * d :]
             last = numpy.append(tail, 0.0 if homogeneous else 1.0)
             found = numpy.empty((count, DEGREE, d))
-            for k, (first, end) in enumerate(zip(self.segments[:-1], self.segments[1:], strict=True)):
+            for k, (first, end) in enumerate(
+                zip(self.segments[:-1], self.segments[1:], strict=True)
+            ):
                 at = begins[first:end] @ numpy.append(own[k], last)
                 found[first:end, 0] = at
                 both = numpy.concatenate([at, numpy.tile(last, (end - first, 1))], 1)
@@ -291,7 +297,7 @@ class Orbits(Problem):
 
     def multipliers(self) -> numpy.ndarray:
         """Returns the multipliers, by the maps over both halves of the orbit: their product has
-        lost the small ones where others are large."""
+        lost the small ones where others are large, unless all are small."""
         from scipy.linalg import eig
 
         halves = []
@@ -300,10 +306,9 @@ class Orbits(Problem):
             for one in part:
                 M = one @ M
             halves.append(M)
-        try:
-            return eig(halves[0], numpy.linalg.inv(halves[1]), right=False)
-        except numpy.linalg.LinAlgError:
+        if numpy.linalg.cond(halves[1]) > CONTRACTS:
             return numpy.linalg.eigvals(halves[1] @ halves[0])
+        return eig(halves[0], numpy.linalg.inv(halves[1]), right=False)
 
     def node(self, x: numpy.ndarray, t: numpy.ndarray) -> Node | None:
         if self.linear(x) is None:
@@ -346,9 +351,10 @@ class Orbits(Problem):
         scale = numpy.where(scale > 0, scale, 1.0)
         return (mark(b) - mark(a)) / numpy.array([1, 1, *scale, *scale])
 
-    def ends(self, node: Node) -> str:
-        size = max(b - a for a, b in node.about["extents"].values())
-        return "the orbit has shrunk to an equilibrium" if size < ROUND * self.width.max() else ""
+    def ends(self, a: Node, b: Node) -> str:
+        ways = [n.x[self.of[: -self.extra or None]].reshape(SEGMENTS, -1) for n in (a, b)]
+        one, other = (way - way.mean(0) for way in ways)
+        return "the orbit has shrunk to an equilibrium" if (one * other).sum() < 0 else ""
 
     # -- the grid -----------------------------------------------------------------------------
 

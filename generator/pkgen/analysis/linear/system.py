@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -201,10 +201,16 @@ class System:
         return float(numpy.sqrt((rates**2).sum(1)).max(initial=0.0))
 
 
-def opened(options: argparse.Namespace, compilation: Compilation, command: str) -> System:
+def opened(
+    options: argparse.Namespace,
+    compilation: Compilation,
+    command: str,
+    but: Sequence[str] = ("samples", "noises"),
+) -> System:
     """Returns the system of a compiled model, at the start and with the parameters of `options` and
-    their scene. `command` is its name in messages. Raises UsageError, ModelError, BuildError."""
-    refuse_statements(compilation.declared, "pkgen stability", ("samples", "noises"), command)
+    their scene. `command` is its name in messages; it takes statements of the kinds `but`. Raises
+    UsageError, ModelError, BuildError."""
+    refuse_statements(compilation.declared, "pkgen stability", but, command)
     if compilation.looped:
         raise UsageError(f"{command} is of single coordinates, and the families are kept as loops")
     whole = settled(options, compilation)
