@@ -15,8 +15,10 @@ from pkgen.run.values import Values
 from pkgen.system.exits import UsageError
 
 from .family import Family
-from .follow import Node, Path, Seed
-from .orbits import LEAST, MOST, TURN, Flow, Orbits, points
+from .flow import Flow
+from .orbits import TURN, Orbits
+from .polynomials import LEAST, MOST, points
+from .problem import Node, Path, Seed
 
 LATER = (0, 500, 5000)  # steps after which a motion with friction may be near an orbit
 FURTHEST = 4000  # steps among which a return is looked for
@@ -81,9 +83,8 @@ def _return(flow: Flow, system: System, state: numpy.ndarray) -> float | None:
         away = (along - along[0])[:, used]
         turns = ((flow.among < system.m) & (scale > TURN - 1))[used]
         away -= turns * TURN * numpy.round(away / TURN)
-        far = numpy.linalg.norm(
-            away / numpy.fmin(scale[used], numpy.where(turns, TURN, 1e300)), axis=1
-        )
+        units = numpy.where(turns, numpy.fmin(scale[used], TURN), scale[used])
+        far = numpy.linalg.norm(away / units, axis=1)
         first = int((far > 0.5 * far.max(initial=0.0)).argmax())
         if not used.any():
             raise UsageError("the start is at rest: no orbit begins there")
@@ -132,10 +133,10 @@ def from_start(family: Family, text: str | None) -> list[Seed]:
                 )
             return [Seed(problem, seed)]
     if away:
-        raise UsageError("the motion does not come back to its start: --period has about its time")
-    raise UsageError(
-        "no periodic orbit was found near the start; with --period T it is sought with about this one"
-    )
+        raise UsageError(
+            "the motion does not come back to its start: --period has about its period"
+        )
+    raise UsageError("no periodic orbit was found near the start; --period has about its period")
 
 
 def _orbit(flow, system, state, of, T: float, value: float) -> tuple[Orbits, Node] | None:
@@ -175,7 +176,7 @@ def _orbit(flow, system, state, of, T: float, value: float) -> tuple[Orbits, Nod
 
 
 def _units(flow: Flow, box: numpy.ndarray) -> numpy.ndarray:
-    """Returns the box of the search, without what is tiny since the motion of the start has none."""
+    """Returns the box of the search. What the motion of the start does not change is tiny there."""
     wide = numpy.concatenate([box, box])[flow.where]
     return numpy.fmax(wide, 0.1 * wide.max(initial=0.0))
 
@@ -226,9 +227,7 @@ def from_centre(family: Family) -> list[Seed]:
         )
     found = small(family, flow, system, state, 0.0, _units(flow, numpy.array(rest.box)))
     if not found:
-        raise UsageError(
-            "about the equilibrium nearest to the start all oscillations grow or decay"
-        )
+        raise UsageError("about the equilibrium nearest to the start no oscillation lasts")
     return [Seed(*one, outward=True) for one in found]
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy
 
-from .follow import Path, Problem
+from .problem import Path, Problem
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from .family import Family, asked
 
 EXAMPLES = """
 pkgen continue models/bead_on_hoop.lag --free Omega=0:8
-pkgen continue models/particles/restricted_three_body.lag --scene arenstorf --orbit start --free mu=0.0122:0.0124
+pkgen continue models/particles/kepler.lag --orbit start --free energy=-1:-0.3 --json
 """
 PICTURES = (".svg", ".png", ".pdf")
 

@@ -13,7 +13,7 @@ from pkgen.analysis.linear.symmetries import Fields, symmetries
 from pkgen.system.exits import UsageError
 
 from .family import Family
-from .follow import Linear, Node, Problem, Seed
+from .problem import Linear, Node, Problem, Seed
 
 
 class Equilibria(Problem):

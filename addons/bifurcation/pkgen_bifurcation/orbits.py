@@ -6,95 +6,29 @@ unknowns are left: the states at the beginnings of segments, the period, the par
 of these have the least norm. Conserved quantities, for which orbits are families and the equations
 depend on each other, need no more unknowns then.
 
-References: E. Doedel, H. B. Keller, J. P. Kernevez, Int. J. Bifurcation and Chaos 1 (1991) 745; R.
-D. Russell, J. Christiansen, SIAM J. Numer. Anal. 15 (1978) 59 (grids); T. F. Fairgrieve, A. D.
-Jepson, SIAM J. Numer. Anal. 28 (1991) 1446 (multipliers).
+References: E. Doedel, H. B. Keller, J. P. Kernevez, Int. J. Bifurcation and Chaos 1 (1991) 745; T.
+F. Fairgrieve, A. D. Jepson, SIAM J. Numer. Anal. 28 (1991) 1446 (multipliers).
 """
 
 from __future__ import annotations
 
 import copy
 import math
+from itertools import pairwise
 
 import numpy
 
-from pkgen.analysis.linear.system import System
 from pkgen.system.exits import UsageError
 
-from .family import Family
-from .follow import ASIDE, Linear, Node, Problem
+from .flow import Flow
+from .polynomials import DEGREE, POINTS, D, W, adapted, interpolated, points
+from .problem import ASIDE, Linear, Node, Problem
 
-DEGREE = 4
 SEGMENTS = 12
-LEAST, MOST = 24, 300  # intervals
-FINE = 8.0  # intervals for each unit of the monitor function
 AGAIN = 5  # steps between adaptions of the grid
 TRIVIAL = 1e-4  # a multiplier nearer to 1 is one of a conserved quantity, at the first orbit
 TURN = 2 * math.pi
 CONTRACTS = 1e10  # condition of a map whose inverse says nothing
-
-
-def _tables() -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
-    """Returns the points of Gauss in (0, 1), and there the values and the derivatives of Lagrange's
-    polynomials of the points k/DEGREE."""
-    points = (numpy.polynomial.legendre.leggauss(DEGREE)[0] + 1) / 2
-    inner = numpy.arange(DEGREE + 1) / DEGREE
-    W, D = numpy.empty((2, DEGREE, DEGREE + 1))
-    for k in range(DEGREE + 1):
-        basis = numpy.poly1d(numpy.delete(inner, k), r=True)
-        basis /= basis(inner[k])
-        W[:, k], D[:, k] = basis(points), basis.deriv()(points)
-    return points, W, D
-
-
-POINTS, W, D = _tables()
-HIGHEST = numpy.array([(-1) ** (DEGREE - k) * math.comb(DEGREE, k) for k in range(DEGREE + 1)])
-
-
-class Flow:
-    """The motion z' = f(t, z), z = (coordinates, first-order variables, rates) without unknowns on
-    which no rate depends."""
-
-    def __init__(self, family: Family):
-        system = family.first
-        if system.bound:
-            raise UsageError(
-                "--orbit is of models without constraints and rotations; --section too"
-            )
-        n, m = system.n, system.m
-        free = ~system.idle
-        self.family = family
-        self.among = numpy.array([*numpy.flatnonzero(free), *range(n, n + m)])
-        self.where = system.unknowns_first[self.among]
-        self.count = len(self.among)
-        self.forced = not system.is_steady()
-        self.conservative = bool(system.given["conservative"]) and not system.by_norm
-
-    def states(self, system: System, z: numpy.ndarray) -> numpy.ndarray:
-        found = numpy.tile(system.begun, (*z.shape[:-1], 1))
-        found[..., self.where] = z
-        return found
-
-    def rates(self, system: System, t: numpy.ndarray, z: numpy.ndarray) -> numpy.ndarray:
-        states = self.states(system, z)
-        a = system.kernel("acceleration", t, states)
-        n, m = system.n, system.m
-        whole = numpy.concatenate([states[:, n : n + m], a[:, m:], a[:, :m]], 1)
-        return whole[:, self.among]
-
-    def slopes(self, system: System, t: numpy.ndarray, z: numpy.ndarray) -> numpy.ndarray:
-        """Returns the derivatives of rates() by z."""
-        n, m = system.n, system.m
-        by = system.kernel("jacobian", t, self.states(system, z)).reshape(-1, 2, n, n)
-        full = numpy.zeros((len(z), n + m, n + m))
-        full[:, range(m), range(n, n + m)] = 1
-        rows = numpy.array([*range(m, n), *range(m)])
-        full[:, m:, :m] = by[:, 0, rows][:, :, :m]
-        full[:, m:, [*range(n, n + m), *range(m, n)]] = by[:, 1, rows]
-        return full[numpy.ix_(range(len(z)), self.among, self.among)]
-
-    def energies(self, system: System, z: numpy.ndarray) -> numpy.ndarray:
-        return system.kernel("energy", 0.0, self.states(system, z))[:, 0]
 
 
 class Orbits(Problem):
@@ -106,9 +40,7 @@ class Orbits(Problem):
     flat = 1e-8
     unit = SEGMENTS**0.5
 
-    def __init__(
-        self, flow: Flow, grid: numpy.ndarray, z: numpy.ndarray, period, value, width=None
-    ):
+    def __init__(self, flow: Flow, grid: numpy.ndarray, z: numpy.ndarray, period, value, width=()):
         """`z` are the states of a guess at all points; `period` is a number, or a function of the
         parameter; `width` has the units of the states."""
         self.flow, self.family, self.grid = flow, flow.family, grid
@@ -116,7 +48,7 @@ class Orbits(Problem):
         self.laps = 1
         self.period0 = period(value) if callable(period) else float(period)
         self.value0 = value
-        self.width = _width(flow, z) if width is None else width
+        self.width = width if len(width) else _width(flow, z)
         places = (flow.among < self.family.first.m) & (abs(z[-1] - z[0]) > 0.9 * TURN)
         self.wind = places * TURN * numpy.round((z[-1] - z[0]) / TURN)
         self.trivial: int | None = None
@@ -232,7 +164,7 @@ class Orbits(Problem):
         one = numpy.concatenate([numpy.eye(d), numpy.zeros((d, extra + 1))], 1)
         begins = numpy.empty((count, d, wide))
         maps, to = [], numpy.concatenate([numpy.zeros((extra + 1, d)), numpy.eye(extra + 1)], 1)
-        for first, last in zip(self.segments[:-1], self.segments[1:], strict=True):
+        for first, last in pairwise(self.segments):
             M = one
             for i in range(first, last):
                 begins[i] = M
@@ -254,9 +186,7 @@ class Orbits(Problem):
             own, tail = step[: K * d].reshape(K, d), step[K * d :]
             last = numpy.append(tail, 0.0 if homogeneous else 1.0)
             found = numpy.empty((count, DEGREE, d))
-            for k, (first, end) in enumerate(
-                zip(self.segments[:-1], self.segments[1:], strict=True)
-            ):
+            for k, (first, end) in enumerate(pairwise(self.segments)):
                 at = begins[first:end] @ numpy.append(own[k], last)
                 found[first:end, 0] = at
                 both = numpy.concatenate([at, numpy.tile(last, (end - first, 1))], 1)
@@ -273,7 +203,7 @@ class Orbits(Problem):
         the energy where it is kept."""
         rows, gaps = [], []
         if not self.flow.forced:
-            z, period, value = self.parts(self.ref)
+            z, _, value = self.parts(self.ref)
             at = z[:-1:DEGREE][self.segments[:-1]]
             F = self.flow.rates(self.family.system(value), numpy.zeros(len(at)), at) / self.width
             F = F.ravel() / numpy.linalg.norm(F)
@@ -366,20 +296,9 @@ class Orbits(Problem):
         return self.adapted(x, t)
 
     def adapted(self, x: numpy.ndarray, t: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray]:
-        """Returns the orbit and its tangent on a grid whose intervals have like errors: the integral
-        of |5th derivative|^(1/5) over each is the same."""
-        count, h = len(self.grid) - 1, numpy.diff(self.grid)
-        index = numpy.arange(count)[:, None] * DEGREE + numpy.arange(DEGREE + 1)
-        z = self.parts(x)[0] / self.width
-        top = numpy.einsum("k,ikd->id", HIGHEST, z[index]) * (DEGREE / h[:, None]) ** DEGREE
-        jumps = numpy.diff(top, axis=0, append=top[:1])
-        fifth = abs(jumps).max(1) / ((h + numpy.roll(h, -1)) / 2)
-        monitor = (fifth ** (1 / (DEGREE + 1)) + numpy.roll(fifth, 1) ** (1 / (DEGREE + 1))) / 2
-        monitor = numpy.fmax(monitor, 0.05 * (monitor @ h))
-        total = numpy.append(0.0, numpy.cumsum(monitor * h))
-        wanted = int(min(MOST, max(LEAST, math.ceil(FINE * total[-1]))))
-        old, fine = copy.copy(self), numpy.linspace(0, total[-1], wanted + 1)
-        self.grid = numpy.interp(fine, total, self.grid)
+        """Returns the orbit and its tangent on an adapted grid."""
+        old = copy.copy(self)
+        self.grid = adapted(self.grid, self.parts(x)[0] / self.width)
         self._chosen()
         self.ref = self._carried(old, x, self.wind / self.width)
         to = self._carried(old, t, 0 * self.wind)
@@ -427,21 +346,3 @@ def _width(flow: Flow, z: numpy.ndarray) -> numpy.ndarray:
     for kind in (rates, ~rates):
         width[kind] = numpy.fmax(width[kind], 0.1 * width[kind].max(initial=0.0))
     return numpy.where(width > 0, width, 1.0)
-
-
-def points(grid: numpy.ndarray) -> numpy.ndarray:
-    """Returns the times of all states."""
-    inner = grid[:-1, None] + numpy.diff(grid)[:, None] * numpy.arange(DEGREE) / DEGREE
-    return numpy.append(inner.ravel(), grid[-1])
-
-
-def interpolated(grid: numpy.ndarray, z: numpy.ndarray, times: numpy.ndarray) -> numpy.ndarray:
-    """Returns the polynomials at times."""
-    i = numpy.clip(numpy.searchsorted(grid, times, "right") - 1, 0, len(grid) - 2)
-    s = (times - grid[i]) / numpy.diff(grid)[i] * DEGREE
-    found = 0.0
-    for k in range(DEGREE + 1):
-        others = [j for j in range(DEGREE + 1) if j != k]
-        basis = numpy.prod([(s - j) / (k - j) for j in others], axis=0)
-        found = found + basis[:, None] * z[i * DEGREE + k]
-    return found

@@ -25,7 +25,7 @@ from pkgen.system.exits import DONE, UsageError
 from pkgen.system.near import unknown
 
 from .family import Family
-from .follow import ASIDE, ROUNDS, SMALL, Linear, Node, Problem, Seed
+from .problem import ASIDE, ROUNDS, SMALL, Linear, Node, Problem, Seed
 
 DELAY = 0.01
 BESIDE = 1e-4  # step of differences, in units of the state
@@ -106,11 +106,8 @@ class Returns(Problem):
         if u is not None:
             kinds = {"param": "parameters", "input": "inputs", "q": "start_q", "v": "start_v"}
             for kind, name in kinds.items():
-                own = {
-                    c.index: float(x)
-                    for c, x in zip(self.unknowns, u, strict=True)
-                    if c.kind == kind
-                }
+                both = zip(self.unknowns, map(float, u), strict=True)
+                own = {column.index: x for column, x in both if column.kind == kind}
                 others = [pair for pair in getattr(given, name) if pair[0] not in own]
                 given = replace(given, **{name: (*others, *own.items())})
         run = load(self.program).run(given)
@@ -207,9 +204,8 @@ class Returns(Problem):
         state = {name: float(row[k]) for name, k in self.names.items()}
         state |= {c.name: float(v) for c, v in zip(self.unknowns, u, strict=True)}
         about = {"state": state, "period": time}
-        return Node(
-            x, t, value, float(t[-1]) * self.family.width, values[self.energy0 is not None :], about
-        )
+        values = values[self.energy0 is not None :]  # without that of the energy
+        return Node(x, t, value, float(t[-1]) * self.family.width, values, about)
 
     def apart(self, a: Node, b: Node) -> numpy.ndarray:
         return b.x - a.x
