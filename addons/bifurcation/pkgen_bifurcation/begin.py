@@ -134,7 +134,7 @@ def from_start(family: Family, text: str | None) -> list[Seed]:
             return [Seed(problem, seed)]
     if away:
         raise UsageError(
-            "the motion does not come back to its start: --period has about its period"
+            "the motion does not come back to its start: --period has about its time"
         )
     raise UsageError("no periodic orbit was found near the start; --period has about its period")
 
@@ -166,8 +166,17 @@ def _orbit(flow, system, state, of, T: float, value: float) -> tuple[Orbits, Nod
     along = numpy.zeros(len(x))
     along[problem.of] = row if flow.family.name is not None else problem.energy_row(x)
     t = problem.tangent(x, along)
-    for _ in range(2):
-        x, t = problem.adapted(x, t)
+    try:
+        for _ in range(2):
+            x, t = problem.adapted(x, t)
+    except ArithmeticError:
+        return None
+    row = numpy.append(numpy.zeros(len(problem.of) - 1), row[-1:])
+    last = (value - flow.family.range[0]) / flow.family.width
+    found = problem.correct(x, row, last * row[-1])
+    if found is None:
+        return None
+    x, t = found[0], problem.tangent(found[0], t)
     seed = problem.node(x, t)
     if seed is None or seed.about["period"] < 0.2 * T:
         return None

@@ -30,7 +30,8 @@ class Equilibria(Problem):
         with numpy.errstate(all="ignore"):
             self.search = Search(system, symmetries(Fields(system), units))
         self.flat = 1e-10 if self.search.is_exact else 1e-7
-        self.fixed = None
+        self.scale = self.search.box
+        self.rows = numpy.ones(len(self.search.scale))  # sizes of the equations
 
     def steady(self, value: float) -> Search:
         """Returns the equations at a value of the parameter, in the units of the first ones."""
@@ -46,7 +47,7 @@ class Equilibria(Problem):
 
     def parts(self, x: numpy.ndarray) -> tuple[numpy.ndarray, float]:
         low, _ = self.family.range
-        return x[:-1] * self.search.box, low + float(x[-1]) * self.family.width
+        return x[:-1] * self.scale, low + float(x[-1]) * self.family.width
 
     def value(self, x: numpy.ndarray) -> float:
         return self.parts(x)[1]
@@ -59,9 +60,10 @@ class Equilibria(Problem):
             a, b = (self.steady(p).equations(z[None])[0] for p in (low, high))
         except UsageError:  # the parameter is out of its bounds
             return None
-        by_value = (b - a) / (high - low) * self.family.width / self.search.scale
-        slopes = slopes / self.search.reach(z) * self.search.box
-        slopes = numpy.concatenate([slopes, by_value[:, None]], 1)
+        by_value = (b - a) / (high - low) * self.family.width / self.rows
+        units = self.search.scale / self.rows
+        slopes = slopes * units[:, None] / self.search.reach(z) * self.scale
+        slopes, gap = numpy.concatenate([slopes, by_value[:, None]], 1), gap * units
         if not good or not numpy.isfinite(slopes).all():
             return None
         return Linear(gap, slopes, lambda step, _: step, float(abs(gap).max(initial=0.0)))
@@ -81,25 +83,32 @@ class Equilibria(Problem):
 
     def apart(self, a: Node, b: Node) -> numpy.ndarray:
         at, to = (self.parts(n.x)[0] for n in (a, b))
-        return numpy.append(self.search.apart(at, to), b.x[-1] - a.x[-1])
+        apart = self.search.apart(at, to) * self.search.box / self.scale
+        return numpy.append(apart, b.x[-1] - a.x[-1])
 
     def seeds(self) -> list[Seed]:
         """Returns the equilibria that are found at both ends of the range and at the model's own
         value."""
-        along = numpy.zeros(len(self.search.start) + 1)
-        along[-1] = 1
-        found = []
+        roots = []
         for value in dict.fromkeys([*self.family.range, self.family.own()]):
             search = self.steady(value)
             search.run(TRIES)
-            for z in search.known:
-                x = numpy.append(z / search.box, (value - self.family.range[0]) / self.family.width)
-                if self.linear(x) is None:
-                    continue
-                at = self.correct(x, along, float(x[-1]))
-                x = at[0] if at else x
-                found.append(self.node(x, self.tangent(x, along)))
-        seeds = [node for node in found if node is not None]
-        if not seeds:
+            roots += [(z, value) for z in search.known]
+        if not roots:
             raise UsageError("no equilibrium was found: --start has where the search begins")
-        return [Seed(self, node) for node in seeds]
+        # Units are the distances of what is found; the box is wide where motions run away.
+        spread = numpy.ptp([z for z, _ in roots], axis=0)
+        box = self.search.box
+        self.scale = numpy.where(spread > 1e-6 * box.max(initial=0.0), spread, box)
+        along = numpy.append(numpy.zeros(len(box)), 1.0)
+        low, width = self.family.range[0], self.family.width
+        starts = [numpy.append(z / self.scale, (value - low) / width) for z, value in roots]
+        starts = [x for x in starts if self.linear(x) is not None]
+        sizes = numpy.max([abs(self.linear(x).slopes).max(1) for x in starts], axis=0)
+        self.rows, self.last = numpy.where(sizes > 0, sizes, 1.0), (None,) * 3
+        found = []
+        for x in starts:
+            at = self.correct(x, along, float(x[-1]))
+            x = at[0] if at else x
+            found.append(self.node(x, self.tangent(x, along)))
+        return [Seed(self, node) for node in found if node is not None]

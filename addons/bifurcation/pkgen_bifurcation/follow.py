@@ -26,7 +26,7 @@ MOST_POINTS, MOST_BRANCHES = 1000, 24
 EASY = 4  # few iterations
 FIRST, LONGEST, SHORTEST = 1e-2, 5e-2, 1e-6  # lengths of steps
 CLOSED = "it is closed"
-STRAIGHT = 0.9  # cosine of the largest turn of the tangent in a step
+STRAIGHT, NEAR = 0.9, 0.5  # cosine of the largest turn in a step; its largest correction
 # A solution nearer to a branch is one of it, and where the square of the chord is longer, so is one
 # nearer than this part of it.
 SAME, BENT = 1e-4, 0.3
@@ -113,7 +113,8 @@ def _half(problem: Problem, begun: Node, first: numpy.ndarray, ends, *origin: No
         row = a.t[problem.of]
         found = problem.correct(guess, row, row @ guess[problem.of])
         t = None if found is None else problem.tangent(found[0], a.t)
-        if t is None or t[problem.of] @ row < STRAIGHT:
+        far = found is not None and _size((found[0] - guess)[problem.of]) > NEAR * length
+        if t is None or far or t[problem.of] @ row < STRAIGHT:
             length /= 2
             continue
         b = problem.node(found[0], t)
@@ -135,10 +136,11 @@ def _half(problem: Problem, begun: Node, first: numpy.ndarray, ends, *origin: No
         most = 2 * length / problem.unit
         if len(nodes) > 12 and any(_size(problem.apart(node, b)) < most for node in known):
             return nodes, specials, CLOSED
-        x, t = problem.settle(b.x, b.t)
+        try:
+            x, t = problem.settle(b.x, b.t)
+        except ArithmeticError:
+            return nodes, specials, "the grid does not resolve the orbit"
         a = problem.node(x, t) if x is not b.x else b
-        if a is None:
-            return nodes, specials, "the grid does not resolve it"
         easy = found[1] <= EASY and t[problem.of] @ row > 0.98
         length = min(LONGEST * problem.unit, length * (1.5 if easy else 1.0))
     return nodes, specials, f"after {MOST_POINTS} points"
@@ -194,8 +196,7 @@ def _switched(problem: Problem, node: Node, ends: tuple[float, float]) -> Path |
             return None
         ways.append(made)
     left, right = (way.value - node.value for way in ways)
-    small = max(abs(left), abs(right)) < 0.1 * ASIDE * (ends[1] - ends[0])
-    node.kind = "pitchfork" if left * right > 0 or small else "branch point"
+    node.kind = "pitchfork" if left * right > 0 else "branch point"
     return _both_ways(problem, node, ways, ends, node)
 
 

@@ -51,6 +51,10 @@ class Orbits(Problem):
         self.width = width if len(width) else _width(flow, z)
         places = (flow.among < self.family.first.m) & (abs(z[-1] - z[0]) > 0.9 * TURN)
         self.wind = places * TURN * numpy.round((z[-1] - z[0]) / TURN)
+        system, t = self.family.system(value), numpy.zeros(len(z))
+        a, b = (flow.rates(system, t, z + by) for by in (0, self.wind))
+        if not (abs(a - b) <= 1e-9 * abs(a).max(0)).all():  # they are no angles
+            self.wind = 0 * self.wind
         self.trivial: int | None = None
         self.steps = 0
         self.energy0: float | None = None
@@ -110,8 +114,9 @@ class Orbits(Problem):
 
     # -- the equations ------------------------------------------------------------------------
 
-    def _forces(self, x: numpy.ndarray, jacobian: bool):
-        """Returns T f at all points of Gauss, and with `jacobian` its derivatives."""
+    def _forces(self, x: numpy.ndarray) -> tuple[numpy.ndarray, ...]:
+        """Returns at all points of Gauss z' - T f, the derivatives of T f by z, and by the unknowns
+        that are no states."""
         z, period, value = self.parts(x)
         d, flow, system = self.flow.count, self.flow, self.family.system(value)
         index = numpy.arange(len(self.grid) - 1)[:, None] * DEGREE + numpy.arange(DEGREE + 1)
@@ -123,8 +128,6 @@ class Orbits(Problem):
         F = flow.rates(system, t, at)
         gap = numpy.einsum("jk,ikd->ijd", D, Y) / h[:, None, None]
         gap -= period * F.reshape(gap.shape)
-        if not jacobian:
-            return gap
         columns = [F * self.period0] if self.period_of is None else []
         if self.family.name is not None:
             low, high = self.family.beside(value)
@@ -135,12 +138,12 @@ class Orbits(Problem):
                 ends.append(T * flow.rates(self.family.system(p), by, at))
             columns.append((ends[1] - ends[0]) / (high - low) * self.family.width)
         A = period * flow.slopes(system, t, at)
-        return gap, A, numpy.stack(columns, -1), F
+        return gap, A, numpy.stack(columns, -1)
 
     def _linear(self, x: numpy.ndarray) -> Linear | None:
         d, count, K = self.flow.count, len(self.grid) - 1, SEGMENTS
         try:
-            gap, A, columns, _ = self._forces(x, True)
+            gap, A, columns = self._forces(x)
         except UsageError:  # the parameter is out of its bounds
             return None
         extra = columns.shape[-1]

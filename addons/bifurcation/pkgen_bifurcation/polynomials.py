@@ -51,7 +51,7 @@ def interpolated(grid: numpy.ndarray, z: numpy.ndarray, times: numpy.ndarray) ->
 
 def adapted(grid: numpy.ndarray, z: numpy.ndarray) -> numpy.ndarray:
     """Returns a grid whose intervals have like errors: the integral of |5th derivative|^(1/5) over
-    each is the same."""
+    each is the same. Raises ArithmeticError if it has too many."""
     count, h = len(grid) - 1, numpy.diff(grid)
     index = numpy.arange(count)[:, None] * DEGREE + numpy.arange(DEGREE + 1)
     top = numpy.einsum("k,ikd->id", HIGHEST, z[index]) * (DEGREE / h[:, None]) ** DEGREE
@@ -61,5 +61,7 @@ def adapted(grid: numpy.ndarray, z: numpy.ndarray) -> numpy.ndarray:
     monitor = (root + numpy.roll(root, 1)) / 2
     monitor = numpy.fmax(monitor, 0.05 * (monitor @ h))
     total = numpy.append(0.0, numpy.cumsum(monitor * h))
+    if not total[-1] < MOST:
+        raise ArithmeticError
     wanted = int(min(MOST, max(LEAST, math.ceil(FINE * total[-1]))))
     return numpy.interp(numpy.linspace(0, total[-1], wanted + 1), total, grid)
