@@ -133,9 +133,7 @@ def from_start(family: Family, text: str | None) -> list[Seed]:
                 )
             return [Seed(problem, seed)]
     if away:
-        raise UsageError(
-            "the motion does not come back to its start: --period has about its time"
-        )
+        raise UsageError("the motion does not come back to its start: --period has about its time")
     raise UsageError("no periodic orbit was found near the start; --period has about its period")
 
 

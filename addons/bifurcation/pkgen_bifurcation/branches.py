@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import groupby, pairwise
 from pathlib import Path as FilePath
 from typing import Any
@@ -26,12 +26,13 @@ class Point:
     period: float | None  # of an orbit
     extents: dict[str, tuple[float, float]]  # of an orbit, by name
     kind: str = ""  # of a special point
-    sets: tuple[str, ...] = ()  # parameters that --set has at this point
+    set: dict[str, float] = field(default_factory=dict)  # parameters and inputs
 
     @property
     def start(self) -> dict[str, dict[str, float]]:
         """The values of --set and --start with which a run begins here."""
-        return {"set": dict.fromkeys(self.sets, self.value), "start": self.state}
+        begins = {name: x for name, x in self.state.items() if name not in self.set}
+        return {"set": self.set, "start": begins}
 
     @property
     def options(self) -> str:
@@ -158,7 +159,7 @@ def made(kind: str, paths: Sequence[Path], sets: tuple[str, ...]) -> list[Branch
                 period=n.about.get("period"),
                 extents=n.about.get("extents", {}),
                 kind="" if n is path.origin else n.kind,
-                sets=sets,
+                set={**dict.fromkeys(sets, float(n.value)), **n.about.get("set", {})},
             )
             for n in path.nodes
         ]

@@ -20,7 +20,7 @@ from itertools import pairwise
 
 import numpy
 
-from .problem import ASIDE, Node, Path, Problem, Seed
+from .problem import Node, Path, Problem, Seed
 
 MOST_POINTS, MOST_BRANCHES = 1000, 24
 EASY = 4  # few iterations
@@ -189,9 +189,7 @@ def _switched(problem: Problem, node: Node, ends: tuple[float, float]) -> Path |
     if other is None:
         return None
     for sign in (-1, 1):
-        guess, row = node.x + sign * ASIDE * other, sign * other[problem.of]
-        found = problem.correct(guess, row, row @ guess[problem.of])
-        made = found and problem.node(found[0], problem.tangent(found[0], sign * other))
+        made = problem.beside(node.x, sign * other)
         if made is None:
             return None
         ways.append(made)

@@ -22,7 +22,7 @@ from pkgen.system.exits import UsageError
 
 from .flow import Flow
 from .polynomials import DEGREE, POINTS, D, W, adapted, interpolated, points
-from .problem import ASIDE, Linear, Node, Problem
+from .problem import Linear, Node, Problem
 
 SEGMENTS = 12
 AGAIN = 5  # steps between adaptions of the grid
@@ -329,12 +329,8 @@ class Orbits(Problem):
         x, t = both(node.x, self.wind / self.width), both(node.t, 0 * self.wind)
         twice.ref = x
         other = twice.aside(Node(x, t, node.value, node.rate, node.values, {}))
-        if other is None:
-            return None
-        row = other[twice.of]
-        found = twice.correct(x + ASIDE * other, row, float(row @ x[twice.of]) + ASIDE)
-        made = found and twice.node(found[0], twice.tangent(found[0], other))
-        return (twice, made) if made else None
+        made = None if other is None else twice.beside(x, other)
+        return None if made is None else (twice, made)
 
     def _carried(self, old: Orbits, x: numpy.ndarray, wind: numpy.ndarray) -> numpy.ndarray:
         z = x[: len(x) - self.extra].reshape(-1, self.flow.count)

@@ -145,6 +145,15 @@ class Problem:
         """Returns the problem of twice the period, and its first point beside a doubling."""
         return None
 
+    def beside(self, x: numpy.ndarray, way: numpy.ndarray) -> Node | None:
+        """Returns a point of the branch that goes from x in a direction."""
+        row = way[self.of]
+        for length in (ASIDE, ASIDE / 4, ASIDE / 16):
+            found = self.correct(x + length * way, row, float(row @ x[self.of]) + length)
+            if found is not None:
+                return self.node(found[0], self.tangent(found[0], way))
+        return None
+
     def is_simple(self, node: Node) -> bool:
         """Returns whether one branch alone goes through a point. Another branch through a pitchfork
         turns there as at a fold."""

@@ -25,7 +25,7 @@ from pkgen.system.exits import DONE, UsageError
 from pkgen.system.near import unknown
 
 from .family import Family
-from .problem import ASIDE, ROUNDS, SMALL, Linear, Node, Problem, Seed
+from .problem import ROUNDS, SMALL, Linear, Node, Problem, Seed
 
 DELAY = 0.01
 BESIDE = 1e-4  # step of differences, in units of the state
@@ -76,7 +76,6 @@ class Returns(Problem):
         self.unknowns: list[Column] = [known[name] for name in self.closing]
         columns = _columns(family)
         self.places = [columns.index(name) for name in self.closing.values()]
-        self.names = {name: columns.index(name) for name in family.names()}
         self.settings: dict[float, object] = {}
         self.energy0: float | None = None
         self.places_of_energy = columns.index("energy") if "energy" in columns else None
@@ -200,10 +199,11 @@ class Returns(Problem):
         values = numpy.linalg.eigvals(self.slopes)
         values = values[numpy.argsort(abs(values - 1))]
         u, value = self.parts(x)
-        row, time = self.mapped(u, value)
-        state = {name: float(row[k]) for name, k in self.names.items()}
-        state |= {c.name: float(v) for c, v in zip(self.unknowns, u, strict=True)}
-        about = {"state": state, "period": time}
+        _, time = self.mapped(u, value)
+        self.period = time / 2**self.doublings  # the next ones are near it
+        both = [*zip(self.unknowns, map(float, u), strict=True)]
+        sets = {c.name: x for c, x in both if c.kind in ("param", "input")}
+        about = {"state": {c.name: x for c, x in both}, "set": sets, "period": time}
         values = values[self.energy0 is not None :]  # without that of the energy
         return Node(x, t, value, float(t[-1]) * self.family.width, values, about)
 
@@ -214,12 +214,8 @@ class Returns(Problem):
         twice = copy.copy(self)
         twice.doublings, twice.last = self.doublings + 1, (None,) * 3
         other = twice.aside(node)
-        if other is None:
-            return None
-        row = other[twice.of]
-        found = twice.correct(node.x + ASIDE * other, row, float(row @ node.x) + ASIDE)
-        made = found and twice.node(found[0], twice.tangent(found[0], other))
-        return (twice, made) if made else None
+        made = None if other is None else twice.beside(node.x, other)
+        return None if made is None else (twice, made)
 
     # -- the first orbit ----------------------------------------------------------------------
 

@@ -117,7 +117,9 @@ def test_the_command_writes_data_and_a_picture(tmp_path) -> None:
     text = ran("continue", HOOP, "--free", "Omega=0:8").stdout
     assert "pitchfork at Omega = 3.132091953" in text
     line = next(line for line in text.splitlines() if "--set" in line)
-    assert line.strip() == '--set "Omega=3.132091952673165" --start "theta=0.0" --start "theta\'=0.0"'
+    assert (
+        line.strip() == '--set "Omega=3.132091952673165" --start "theta=0.0" --start "theta\'=0.0"'
+    )
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from pkgen import UsageError
 PERIOD = 6.6632868593231301896996820305
 ARENSTORF = 17.0652165601579625588917206249
 
+
 def test_kepler_has_his_third_law(tmp_path) -> None:
     (branch,) = found(KEPLER, tmp_path, "energy", -1.0, -0.3, orbit="start").branches
     for p in branch.points:
@@ -23,6 +24,7 @@ def test_kepler_has_his_third_law(tmp_path) -> None:
     for p in branch.points:  # the energy stays -1/2, so a = mu
         assert abs(p.period - 2 * math.pi * p.value) < 1e-9
 
+
 def test_the_orbit_of_arenstorf(tmp_path) -> None:
     mu = 0.012277471
     made = found(THREE, tmp_path, "mu", mu - 1e-9, mu + 1e-9, scene="arenstorf", orbit="start")
@@ -32,6 +34,7 @@ def test_the_orbit_of_arenstorf(tmp_path) -> None:
     assert not point.stable
     large, small = sorted(map(abs, point.values), reverse=True)
     assert abs(large * small - 1) < 1e-6
+
 
 @pytest.mark.long
 def test_the_figure_eight_is_stable(tmp_path) -> None:
@@ -47,6 +50,7 @@ def test_the_figure_eight_is_stable(tmp_path) -> None:
         first = branch.points[0]
         assert p.period == pytest.approx(first.period * (first.value / p.value) ** 1.5, rel=1e-9)
 
+
 def test_lyapunov_orbits_begin_at_the_frequency_of_l1(tmp_path) -> None:
     made = found(THREE, tmp_path, "energy", -1.6, -1.55, scene="L1", orbit="centre")
     (branch,) = made.branches
@@ -61,6 +65,7 @@ def test_lyapunov_orbits_begin_at_the_frequency_of_l1(tmp_path) -> None:
     )
     assert abs(rows["x"][-1] - rows["x"][0]) < 1e-7
 
+
 def test_halo_orbits_have_the_figures_of_howell(tmp_path) -> None:
     """Half the period 1.348532; the stability indices 51.07839 and -0.90203."""
     how = {"orbit": "start", "period": 2 * 1.348532}
@@ -71,6 +76,7 @@ def test_halo_orbits_have_the_figures_of_howell(tmp_path) -> None:
     indices = sorted({round(((z + 1 / z) / 2).real, 3) for z in point.values})
     assert indices == pytest.approx([-0.90203, 51.07839], abs=1e-3)
 
+
 def test_halo_orbits_leave_the_planar_ones(tmp_path) -> None:
     of = "x = 0.723268, z = 0.04, y' = 0.198019"
     model = HALO.replace("x = 0.729988, z = 0.215589, y' = 0.397259", of)
@@ -79,6 +85,7 @@ def test_halo_orbits_leave_the_planar_ones(tmp_path) -> None:
     (halo,) = [b for b in made.branches if b.begins]
     tall = [p.extents["z"][1] for p in halo.points]
     assert min(tall) < 1e-6 < 0.03 < max(tall)
+
 
 def _balanced(omega: float, period_start: float, rate: float) -> tuple[float, float, float]:
     """Returns x(0), x'(0) of Duffing's motion by harmonic balance, and the smallest singular value
@@ -105,6 +112,7 @@ def _balanced(omega: float, period_start: float, rate: float) -> tuple[float, fl
             break
     return x[0], (D @ x)[0], numpy.linalg.svd(slopes, compute_uv=False)[-1]
 
+
 def test_the_resonance_of_duffing_by_harmonic_balance(tmp_path) -> None:
     made = found(DUFFING, tmp_path, "omega", 0.5, 3.0, orbit="start", period="T")
     (branch,) = made.branches
@@ -124,6 +132,7 @@ def test_the_resonance_of_duffing_by_harmonic_balance(tmp_path) -> None:
         if not point.kind:
             assert point.stable == all(abs(z) < 1 for z in point.values)
 
+
 def test_orbits_begin_at_hopf_and_have_the_period_of_van_der_pol(tmp_path) -> None:
     made = found(VAN_DER_POL, tmp_path, "mu", -1.0, 1.0, orbit="hopf")
     (orbits,) = [b for b in made.branches if b.kind == "orbits"]
@@ -132,6 +141,7 @@ def test_orbits_begin_at_hopf_and_have_the_period_of_van_der_pol(tmp_path) -> No
     assert abs(orbits.points[-1].period - PERIOD) < 1e-10
     small = orbits.points[1]  # x = 2 sqrt(mu) cos t
     assert small.extents["x"][1] == pytest.approx(2 * math.sqrt(small.value), rel=1e-3)
+
 
 def test_the_doublings_of_rossler(tmp_path) -> None:
     """The multiplier at a doubling is -1 by the variational equations, too."""
@@ -154,6 +164,7 @@ def test_the_doublings_of_rossler(tmp_path) -> None:
         values = numpy.linalg.eigvals(end[3:].reshape(3, 3))
         assert abs(values + 1).min() < 1e-6
 
+
 def test_pendulums_that_turn_over(tmp_path) -> None:
     """An orbit may close but for a turn: the period is 2 K(1/k)/k, k^2 = (E + 1)/2."""
     from scipy.special import ellipk
@@ -163,6 +174,7 @@ def test_pendulums_that_turn_over(tmp_path) -> None:
     for p in made.branches[0].points:
         k = math.sqrt((p.value + 1) / 2)
         assert p.period == pytest.approx(2 * ellipk(1 / k**2) / k, rel=1e-9)
+
 
 @pytest.mark.parametrize(
     ("model", "free", "more", "said"),
