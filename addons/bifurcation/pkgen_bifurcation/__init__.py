@@ -5,7 +5,7 @@ derivatives and the eigenvalues of small motions. `follow.py` follows the soluti
 """
 
 COMMANDS = """
-Linear models
+Judge a motion
   continue    MODEL.lag --free p=FROM:TO   equilibria and orbits along a parameter
 """
 

@@ -1,4 +1,4 @@
-"""Periodic orbits along a parameter or the energy, against closed forms, tables and other methods."""
+"""Periodic orbits, against closed forms, tables and other methods."""
 
 import math
 
