@@ -37,7 +37,7 @@ def test_the_core_names_no_addon_and_none_another() -> None:
 OPEN = {"describe", "api", "back", "system", "record", "source", "limits", "version"}
 READ = {
     "bifurcation": """
-        analysis.linear analysis.linear.equilibria analysis.linear.modes
+        analysis.linear.equilibria analysis.linear.modes
         analysis.linear.symmetries analysis.linear.system cli.arguments cli.compilation compiler
         plot.style run.ensemble run.library run.named run.simulate run.values
         scenes.compile_plan scenes.run_settings scenes.scene

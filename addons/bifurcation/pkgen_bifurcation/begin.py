@@ -59,7 +59,7 @@ def _checked(flow: Flow, of: float | Callable[[float], float] | None) -> Callabl
 
 def _motion(flow: Flow, system: System, state: numpy.ndarray, until: float):
     """Returns times, states and rates of the motion, a row a step."""
-    it = system.begin(EXACT, state, rtol=1e-10)
+    it = system.begin(EXACT, state, rtol=1e-9)
     rows = it.steps(until, FURTHEST)
     if it.failed:
         raise UsageError(f"the motion ends at t = {it.t:g} ({it.status}): no orbit begins there")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from pkgen.plot import style
 from pkgen.system.exits import UsageError
+from pkgen.system.files import replace
 from pkgen.system.near import unknown
 
 from .branches import Branch, Branches, parts
@@ -76,6 +77,6 @@ def written(made: Branches, path: Path, show: str | None) -> Path:
 
     with pyplot.rc_context(style.LOOK):
         drawn = figure(made, show)
-        path.write_bytes(style.encoded(drawn, path.suffix[1:]))
+        replace({path: style.encoded(drawn, path.suffix[1:])})
         pyplot.close(drawn)
     return path

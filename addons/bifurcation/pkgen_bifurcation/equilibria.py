@@ -29,7 +29,7 @@ class Equilibria(Problem):
         units = [x.unit for x in family.compilation.equations.coordinates[: system.m]]
         with numpy.errstate(all="ignore"):
             self.search = Search(system, symmetries(Fields(system), units))
-        self.flat = 1e-10 if self.search.is_exact else 1e-7
+        self.flat = 2e-10 if self.search.is_exact else 1e-7
         self.scale = self.search.box
         self.rows = numpy.ones(len(self.search.scale))  # sizes of the equations
 

@@ -15,7 +15,7 @@ from pkgen.system.exits import UsageError
 from pkgen.system.near import unknown
 
 ENERGY = "energy"
-BESIDE = 1e-5  # step of differences by the parameter, in units of the range
+BESIDE = 2e-5  # step of differences by the parameter, in units of the range
 # Statements that are known of equilibria, of orbits, of return maps.
 RUNS = {
     "": ("samples", "noises"),
