@@ -183,7 +183,7 @@ def _orbit(flow, system, state, of, T: float, value: float) -> tuple[Orbits, Nod
 
 
 def _units(flow: Flow, box: numpy.ndarray) -> numpy.ndarray:
-    """Returns the box of the search. What the motion of the start does not change is tiny there."""
+    """Returns the box of the search; numbers that the motion of the start keeps are tiny in it."""
     wide = numpy.concatenate([box, box])[flow.where]
     return numpy.fmax(wide, 0.1 * wide.max(initial=0.0))
 

@@ -162,7 +162,7 @@ class Orbits(Problem):
             inner = numpy.linalg.solve(B[:, :, d:], right)
         except numpy.linalg.LinAlgError:
             return None
-        # Of each interval the state at its beginning, by those at the beginning of its segment.
+        # The state at the beginning of each interval, by those at the beginning of its segment.
         wide = d + extra + 1
         one = numpy.concatenate([numpy.eye(d), numpy.zeros((d, extra + 1))], 1)
         begins = numpy.empty((count, d, wide))

@@ -32,7 +32,7 @@ rate y = x + 0.2*y
 rate z = 0.2 + z*(x - c)
 start x = 1, y = 1
 """
-# Of K. C. Howell, Celestial Mechanics 32 (1984) 53, table I: the mass ratio and a start.
+# A mass ratio and a start of K. C. Howell, Celestial Mechanics 32 (1984) 53, table I.
 HALO = """
 model halo
 param mu = 0.04 in (0, 0.5]

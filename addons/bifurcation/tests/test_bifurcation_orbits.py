@@ -9,7 +9,7 @@ from continued import DUFFING, HALO, KEPLER, ROSSLER, THREE, VAN_DER_POL, found,
 from conftest import ROOT
 from pkgen import UsageError
 
-# Of the van der Pol oscillator at mu = 1, by Taylor series in 30 digits.
+# The period of the van der Pol oscillator at mu = 1, by Taylor series of mpmath.
 PERIOD = 6.6632868593231301896996820305
 ARENSTORF = 17.0652165601579625588917206249
 
