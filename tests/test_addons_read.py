@@ -36,6 +36,12 @@ def test_the_core_names_no_addon_and_none_another() -> None:
 # module of the core that it reads is a word of its row: shorter is better.
 OPEN = {"describe", "api", "back", "system", "record", "source", "limits", "version"}
 READ = {
+    "bifurcation": """
+        analysis.linear.equilibria analysis.linear.modes
+        analysis.linear.symmetries analysis.linear.system cli.arguments cli.compilation compiler
+        plot.style run.ensemble run.library run.named run.simulate run.values
+        scenes.compile_plan scenes.run_settings scenes.scene
+    """,
     "editor": """
         cli.messages compiler front.check.check front.check.names front.check.shared
         front.check.values front.joints front.lexed front.lexer front.parse front.read

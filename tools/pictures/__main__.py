@@ -66,6 +66,10 @@ COMMANDS: dict[str, tuple[list[str], str]] = {
         ],
         "p.png",
     ),
+    "duffing.png": (
+        ["continue duffing.lag --free omega=0.5:3 --orbit start --period T --output duffing.png"],
+        "duffing.png",
+    ),
     "film_double_pendulum.gif": (
         ["film models/double_pendulum.lag -o p.gif --seconds 6 --pixels 400x300"],
         "p.gif",
@@ -84,6 +88,9 @@ def commanded(name: str) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "models").symlink_to(ROOT / "models")
         Path(folder, "regimes").symlink_to(ROOT / "tests/regimes/models")
+        page = (ROOT / "addons/bifurcation/README.md").read_text(encoding="utf-8")
+        model = page.partition("```lag\n")[2].partition("```")[0]
+        Path(folder, "duffing.lag").write_text(model, encoding="utf-8")
         for line in lines:
             words = [sys.executable, "-m", "pkgen", *shlex.split(line)]
             done = subprocess.run(words, cwd=folder, capture_output=True, text=True)

@@ -146,9 +146,11 @@ def _of_coordinates(system: System, state: numpy.ndarray) -> list[Mode] | None:
     return [shaped(x, u[: len(mass)]) for x, u in zip(values, shapes.T, strict=True) if x.imag >= 0]
 
 
-def _first_order(
+def _reduced(
     system: System, state: numpy.ndarray, moving: Sequence[Moving]
-) -> list[Mode] | None:
+) -> tuple[numpy.ndarray, numpy.ndarray, int]:
+    """Returns a basis T of the displacements z that are free, without cyclic coordinates; A in this
+    basis; the number of its eigenvalues that are 0 since momenta are constant."""
     n, m, free = system.n, system.m, ~system.idle
     among = numpy.array([*numpy.flatnonzero(free), *range(n, n + m)])
     A = in_frame(system, system.linearised(0.0, state), moving)
@@ -158,18 +160,33 @@ def _first_order(
     T = numpy.eye(len(among))
     if system.bound:
         T, A = _tangent(system, state, among, A)
-        if not T.size:
-            return None
-    if moving:
+    if moving and T.size:
         g = numpy.zeros((len(moving), 2 * n))
         g[:, system.used] = [s.at(state[system.used]) for _, s in moving]
         along = T.T @ g[:, system.unknowns_first[among]].T
         left_out = null_space(along.T)
         T, A = T @ left_out, left_out.T @ A @ left_out
+    return T, A, int(system.idle[:m].sum()) + len(moving)
+
+
+def eigenvalues(
+    system: System, state: numpy.ndarray, moving: Sequence[Moving] = ()
+) -> numpy.ndarray:
+    """Returns all eigenvalues, not cleared of round-off, without those of constant momenta."""
+    _, A, left = _reduced(system, state, moving)
+    values = linalg.eigvals(A)
+    return values[numpy.argsort(abs(values))][left:]
+
+
+def _first_order(
+    system: System, state: numpy.ndarray, moving: Sequence[Moving]
+) -> list[Mode] | None:
+    n, free = system.n, ~system.idle
+    T, A, left = _reduced(system, state, moving)
+    if not T.size:
+        return None
     values, shapes = linalg.eig(A)
     values = _cleared(values)
-    # The number of zero eigenvalues from constant momenta.
-    left = int(system.idle[:m].sum()) + len(moving)
     zeros = numpy.flatnonzero(values == 0)[:left]
     found = []
     for k in numpy.flatnonzero(values.imag >= 0):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -201,15 +201,26 @@ class System:
         return float(numpy.sqrt((rates**2).sum(1)).max(initial=0.0))
 
 
-def opened(options: argparse.Namespace, compilation: Compilation, command: str) -> System:
+def opened(
+    options: argparse.Namespace,
+    compilation: Compilation,
+    command: str,
+    but: Sequence[str] = ("samples", "noises"),
+) -> System:
     """Returns the system of a compiled model, at the start and with the parameters of `options` and
-    their scene. `command` is its name in messages. Raises UsageError, ModelError, BuildError."""
-    refuse_statements(compilation.declared, "pkgen stability", ("samples", "noises"), command)
+    their scene. `command` is its name in messages; it takes statements of the kinds `but`. Raises
+    UsageError, ModelError, BuildError."""
+    refuse_statements(compilation.declared, "pkgen stability", but, command)
     if compilation.looped:
         raise UsageError(f"{command} is of single coordinates, and the families are kept as loops")
+    whole = settled(options, compilation)
+    model = compilation.model
+    return System(build_library(compilation.files, model.name, own=model.methods), whole)
+
+
+def settled(options: argparse.Namespace, compilation: Compilation) -> Settings:
+    """Returns the settings of a system: the start and the parameters alone. Raises UsageError."""
     given = argparse.Namespace(**{**vars(options), "until": "1"})
     chosen = scene.of(given, compilation.declared)
     whole = run_settings.settings(given, compilation, chosen=chosen)
-    model = compilation.model
-    program = build_library(compilation.files, model.name, own=model.methods)
-    return System(program, replace(whole, every=None, method="rk4", step=None, show=(), at=None))
+    return replace(whole, every=None, method="rk4", step=None, show=(), at=None)
