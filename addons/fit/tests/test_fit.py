@@ -128,7 +128,9 @@ def swing(tmp_path: Path, seed: int = 3) -> Path:
     run = model.run(10, every=0.05, start={"theta": "40 [deg]"})
     noise = numpy.random.default_rng(seed).normal(0, 0.5, len(run))
     values = numpy.degrees(run["theta"]) + noise
-    rows = [f"{t},{x if k % 17 else ''}" for k, (t, x) in enumerate(zip(run.t, values))]
+    rows = [
+        f"{t},{x if k % 17 else ''}" for k, (t, x) in enumerate(zip(run.t, values, strict=True))
+    ]
     path = tmp_path / "swing.csv"
     path.write_text("t [s],theta [deg]\n" + "\n".join(rows) + "\n")
     return path

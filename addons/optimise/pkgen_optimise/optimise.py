@@ -12,6 +12,7 @@ import numpy
 from pkgen.api import arguments
 from pkgen.api.arguments import in_words
 from pkgen.api.model import Model
+from pkgen.graph.graph import BIT, Kind
 from pkgen.system.exits import UsageError
 
 from .optimum import Optimum
@@ -135,8 +136,7 @@ def _found(
     with warnings.catch_warnings():  # of lines that a scene alone uses
         warnings.simplefilter("ignore")
         prepared = inner.taped(options)
-    if not model.compilation.structure.autonomous and not model.compilation.equations.inputs:
-        raise UsageError("the equations depend on time: pieces of the motion all begin at t = 0")
+    _refuse_time(model)
     names = [*inner.coordinates, *inner.rates]
     start = dict(zip(names, map(float, inner.start), strict=True))
     start |= {k: float(x) for k, x in _given(prepared, names).items()}
@@ -144,6 +144,13 @@ def _found(
     programme = Programme(shooting, *_bounded(shooting, guesses))
     z, name, said = solved(programme, solver, iterations)
     return Optimum(model, shooting, z, name, said)
+
+
+def _refuse_time(model: Model) -> None:
+    e = model.compilation.equations
+    nodes = [*e.force, *e.state_rates, *(x for row in e.mass for x in row)]
+    if any(e.graph.depends[node] & BIT[Kind.TIME] for node in nodes):
+        raise UsageError("the equations depend on time: pieces of the motion all begin at t = 0")
 
 
 def _given(prepared: Any, names: list[str]) -> dict[str, float]:
