@@ -291,14 +291,27 @@ def test_links_lead_somewhere() -> None:
                 assert (page.parent / target).exists(), f"{page.name}: {target}"
 
 
-def test_the_python_page_is_what_happens(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+@pytest.mark.parametrize("page", ["python", "derivatives"])
+def test_a_page_of_python_is_what_happens(
+    page: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     (tmp_path / "models").symlink_to(ROOT / "models")
     monkeypatch.chdir(tmp_path)
-    page, flags = str(ROOT / "docs/python.md"), doctest.ELLIPSIS
-    failed, tried = doctest.testfile(page, module_relative=False, optionflags=flags)
+    name, flags = str(ROOT / f"docs/{page}.md"), doctest.ELLIPSIS
+    failed, tried = doctest.testfile(name, module_relative=False, optionflags=flags)
     assert tried > 4 and not failed
     failed, tried = doctest.testmod(pkgen)
     assert tried > 4 and not failed
+
+
+@pytest.mark.parametrize("library", ["jax", "torch"])
+def test_gradients_in_other_libraries(
+    library: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip(library)
+    monkeypatch.chdir(ROOT)
+    exec(next(x for x in blocks(ROOT / "docs/derivatives.md", "python") if library in x), {})
+    assert "-0.0417" in capsys.readouterr().out
 
 
 @pytest.mark.needs_addon

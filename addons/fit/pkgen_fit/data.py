@@ -93,7 +93,7 @@ def _checked(
         raise UsageError(f"{name}: there is no column t, the time")
     if any(x.shape != t.shape or x.ndim != 1 for x in columns.values()):
         raise UsageError(f"{name}: the columns differ in length")
-    if not len(t) or not numpy.isfinite(t).all() or t[0] < 0 or (numpy.diff(t) <= 0).any():
+    if not len(t) or not numpy.isfinite(t).all() or t[0] < 0 or (numpy.diff(t) < 0).any():
         raise UsageError(f"{name}: times must rise, from t = 0 on, where the motion starts")
     if not t[-1] > 0:
         raise UsageError(f"{name}: there is no time after t = 0")
@@ -109,6 +109,8 @@ def _checked(
         if title in inputs:
             if numpy.isnan(values).any():
                 raise UsageError(f"{name}: column {title}: an input lacks a sample")
+            if (numpy.diff(t) == 0).any():
+                raise UsageError(f"{name}: column {title}: an input has two samples at one time")
             given[title] = values
         elif numpy.isfinite(values).any():
             measured[title] = values

@@ -106,7 +106,7 @@ class Fitted:
         return "\n".join([*lines, f"{self.samples} samples", ""])
 
     def plot(self) -> Figure:
-        """Draws the residuals over time, a panel for each column."""
+        """Draws over time, for each column, the data beside the motion, and model - data."""
         import matplotlib
         from matplotlib.figure import Figure
 
@@ -114,14 +114,21 @@ class Fitted:
 
         with matplotlib.rc_context(style.LOOK):
             found = self.residuals()
-            figure = Figure(figsize=(style.PAGE, 1.6 * len(found) + 0.6), layout="constrained")
-            axes = figure.subplots(len(found), 1, sharex=True, squeeze=False)
-            for axis, (name, each) in zip(axes[:, 0], found.items(), strict=True):
-                axis.axhline(0, color=style.GREY, lw=0.6)
-                for k, (t, gap) in enumerate(each):
-                    axis.plot(t, gap, ".", ms=3, color=style.PALETTE[k % len(style.PALETTE)])
-                axis.set_ylabel(f"{name}: model - data")
-            axes[-1, 0].set_xlabel("t")
+            figure = Figure(figsize=(style.PAGE, 3.2 * len(found)), layout="constrained")
+            axes = figure.subplots(2 * len(found), 1, sharex=True)
+            for place, (name, each) in enumerate(found.items()):
+                above, below = axes[2 * place : 2 * place + 2]
+                having = [e for e in self._problem.experiments if name in e.columns]
+                for k, (e, (t, gap)) in enumerate(zip(having, each, strict=True)):
+                    data = e.columns[name]
+                    known = numpy.isfinite(data)
+                    above.plot(t[known], (gap + data)[known], color=style.colour(k))
+                    above.plot(t, data, ".", ms=3, color=style.colour(k))
+                    below.plot(t, gap, ".", ms=3, color=style.colour(k))
+                below.axhline(0, color=style.GREY, lw=0.6)
+                above.set_ylabel(name)
+                below.set_ylabel("model - data")
+            axes[-1].set_xlabel("t")
         return figure
 
 

