@@ -60,15 +60,6 @@ struct kernel {
     pk_kernel_moving *moving;
 };
 
-const struct pk_jacobian *run_jacobian(const struct pk_system *system, const char *name)
-{
-    const struct pk_part_sensitivity *all = &system->sensitivity;
-    for (size_t k = 0; k < all->n; k++)
-        if (strcmp(all->table[k].name, name) == 0)
-            return &all->table[k];
-    return NULL;
-}
-
 static struct kernel find(const struct settings *s, const char *name)
 {
     const struct pk_system *system = s->system;

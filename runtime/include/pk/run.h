@@ -236,12 +236,10 @@ size_t pk_run_width(const struct pk_run *run, const char *what); /* 0: unknown k
  * motion jumps or changes its equations at the end, or -1 if there are several; q and v at the
  * start, then q and v at the end, before a jump (n each); the inputs. */
 size_t pk_run_tape(const struct pk_run *run, const double **rows, size_t *width);
-/* Writes q' and v', n numbers each, at the start or the end of a row of the tape, with the equations
- * of its step. Returns a status. */
+/* Writes q' and v', n numbers each, at the start (end = 0) or the end (1) of a row of the tape, with
+ * the equations of its step. end = 2: writes the derivative of the state at the end by the time of
+ * this end, which differs by the error of a step. Returns a status. */
 int pk_run_tape_rates(struct pk_run *run, size_t row, int end, double *rates);
-/* Writes the derivative of the state at the end of a row by the time of this end. It differs from
- * q' and v' by the error of a step. Returns a status. */
-int pk_run_tape_end(struct pk_run *run, size_t row, double *rates);
 /* Propagates small displacements, the columns of D, through the steps from `begin` to before `end`,
  * by the derivative of each step. A column is dq (n numbers), dv (n), du (n_inputs), dp
  * (n_parameters) and dt, by which the times of fixed steps shift. At each of the ascending times,

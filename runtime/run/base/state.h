@@ -226,8 +226,6 @@ static inline size_t settings_coordinates(const struct settings *s)
     return pk_system_coordinates(s->system, s->params);
 }
 
-/* Returns a Jacobian that the model was compiled with, or NULL. */
-const struct pk_jacobian *run_jacobian(const struct pk_system *system, const char *name);
 /* In control.c: return the wall clock, and the CPU time of this thread, in seconds. */
 double run_now(void);
 double run_processor(void);

@@ -23,25 +23,6 @@ struct tangent {
     const double *times;
 };
 
-struct pk_options tape_options(const struct pk_run *run, pk_real h)
-{
-    struct pk_options options = run->settings.options;
-    options.h = h;
-    options.max_steps = 0;
-    if (!pk_is_fixed(run->settings.method)) {
-        options.h_max = h;
-        options.rtol = options.atol = PK_C(1e10); /* no error is too large */
-        options.newton_tol = 8 * PK_EPSILON;
-    }
-    return options;
-}
-
-int tape_is_cut(const struct pk_run *run, const pk_real *row, pk_real t)
-{
-    const pk_real h = run->settings.options.h, took = t - row[TAPE_T0];
-    return !pk_is_fixed(run->settings.method) || pk_abs(took - h) > PK_C(1e-6) * h;
-}
-
 static void make(struct tangent *x)
 {
     struct pk_run *run = x->run;
@@ -239,49 +220,43 @@ int pk_run_tangent(struct pk_run *run, size_t begin, size_t end, size_t columns,
     return done ? x.status : PK_NO_MEMORY;
 }
 
-int pk_run_tape_rates(struct pk_run *run, size_t k, int end, double *rates)
-{
-    const struct settings *s = &run->settings;
-    const pk_real *row = tape_row(run->tape, k), *q = row + TAPE_STATE + (end ? 2 * s->n : 0);
-    const size_t n = s->n, n_q = settings_coordinates(s);
-    pk_real *a = memory_ask(&run->memory, n, sizeof *a);
-    void *params = memory_ask(&run->memory, s->system->params_size, 1);
-    if (!a || !params)
-        return PK_NO_MEMORY;
-    tape_params(run, row, params);
-    if (s->system->acceleration(params, row[end ? TAPE_T1 : TAPE_T0], q, q + n,
-                                row + TAPE_STATE + 4 * n, a))
-        return PK_SINGULAR_MASS;
-    for (size_t i = 0; i < n; i++) {
-        rates[i] = i < n_q ? (double)q[n + i] : 0;
-        rates[n + i] = (double)a[i];
-    }
-    memory_drop(&run->memory, a);
-    memory_drop(&run->memory, params);
-    return PK_DONE;
-}
-
 struct end {
     struct pk_run *run;
     size_t row;
+    int end;
     double *rates;
     enum pk_status status;
 };
 
-static void end_of(void *context)
+/* Of the equations: q' and v' at the start (0) or the end (1) of a row; of the step: the derivative
+ * of its end by the time of this end (2). */
+static void rates(void *context)
 {
     struct end *x = context;
-    struct differences d;
+    const struct settings *s = &x->run->settings;
+    const size_t n = s->n, n_q = settings_coordinates(s);
+    const pk_real *row = tape_row(x->run->tape, x->row);
+    const pk_real *q = row + TAPE_STATE + (x->end ? 2 * n : 0), t = row[x->end ? TAPE_T1 : TAPE_T0];
     const struct shift shift = {NULL, 0, 1};
+    struct differences d;
     differences_make(&d, x->run);
-    x->status =
-        differences_find(&d, x->row, tape_row(x->run->tape, x->row)[TAPE_T1], &shift, x->rates);
+    if (x->end > 1)
+        x->status = differences_find(&d, x->row, t, &shift, x->rates);
     pk_integrator_free(&d.it);
+    if (x->end > 1)
+        return;
+    tape_params(x->run, row, d.params);
+    if (s->system->acceleration(d.params, t, q, q + n, row + TAPE_STATE + 4 * n, d.found))
+        x->status = PK_SINGULAR_MASS;
+    for (size_t i = 0; i < n; i++) {
+        x->rates[i] = i < n_q ? (double)q[n + i] : 0;
+        x->rates[n + i] = (double)d.found[i];
+    }
 }
 
-int pk_run_tape_end(struct pk_run *run, size_t k, double *rates)
+int pk_run_tape_rates(struct pk_run *run, size_t k, int end, double *out)
 {
-    struct end x = {run, k, rates, PK_DONE};
-    const int done = memory_try(&run->memory, end_of, &x);
+    struct end x = {run, k, end, out, PK_DONE};
+    const int done = memory_try(&run->memory, rates, &x);
     return done ? x.status : PK_NO_MEMORY;
 }

@@ -1,6 +1,7 @@
 /* The variational equations as a system; see motion.h. The columns of displacements share M,
  * its factors, and the derivatives of the right-hand side r of M q'' = r. */
 #include "../../src/core/internal.h"
+#include "../settings/settings.h"
 #include "motion.h"
 
 #define OF(x) (x)->of.params, t, q, v, u

@@ -100,3 +100,12 @@ int member_by_one(const struct settings *s)
     return s->asked.watch > 0 || s->system->switches.n > 0 || s->system->samples.n > 0 ||
            s->system->resets.n > 0 || s->system->contacts.n > 0;
 }
+
+const struct pk_jacobian *run_jacobian(const struct pk_system *system, const char *name)
+{
+    const struct pk_part_sensitivity *all = &system->sensitivity;
+    for (size_t k = 0; k < all->n; k++)
+        if (strcmp(all->table[k].name, name) == 0)
+            return &all->table[k];
+    return NULL;
+}
