@@ -15,6 +15,7 @@
 `python -m bench member_lanes [--docs]` members in lanes, beside one by one: member_lanes.py
 `python -m bench members [--docs]` members a second and core beside other packages: members.py
 `python -m bench world [--contacts] [--python PY] [--docs]` models beside other packages: world/
+`python -m bench derivatives [--docs]` gradients, fits, linear models beside others: derivatives.py
 `python -m bench families [--docs]` what loops can do, beside members written out: families.py
 
 What is measured: kernels.py, measure.py, ensembles.py, chains.py, longrun.py, derivation.py
@@ -72,6 +73,7 @@ ALONE = (
     "scale",
     "members",
     "world",
+    "derivatives",
 )
 PEERS = (own, gsl, cvode, taylor, mechanicsdsl, python)
 

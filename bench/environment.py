@@ -18,6 +18,8 @@ NEEDED = ("sympy", "numpy", "matplotlib")
 PEERS = (
     "scipy",
     "heyoka",
+    "casadi",
+    "control",
     "numba",
     "distributed",
     "diffrax",

@@ -18,7 +18,7 @@ BUDGET = {  # area: lines, tokens
     # 49: values after events, contacts, friction, modes (920), noise (420).
     # 50: equilibria, modes and symmetries in NumPy (1,000), linear models (430), text and data
     # (150), kernels by inputs and parameters (100); their search in C went (1,610).
-    # 51: the effective potential (180), plots, zeros, responses of linear models (240).
+    # Then the effective potential (180), plots, zeros, responses of linear models (240).
     "generator": (68_100, 549_000),
     # pieces, tables, samples, nearest starts, events that jump; impacts (950), noise (430); then
     # exponents of motions with impacts (290), kinks of gaps and grazes (60)
