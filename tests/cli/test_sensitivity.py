@@ -207,8 +207,46 @@ def test_events_at_one_time_have_no_derivative(tmp_path: Path) -> None:
         package.load(written(tmp_path, text)).gradient("x", "p", until=2.0)
 
 
-def test_contacts_and_samples_are_refused() -> None:
-    for name in ("contact/bouncing_ball.lag", "controlled/sampled_kapitza.lag"):
-        model = package.load(ROOT / "models" / name)
-        with pytest.raises(package.ModelError, match="runs with this have no derivatives"):
-            model.gradient(model.coordinates[0], model.coordinates[0], until=0.1)
+def test_a_contact_that_lasts_and_samples_are_refused() -> None:
+    model = package.load(ROOT / "models/contact/box_on_incline.lag")
+    with pytest.raises(package.RunError, match="a contact holds: derivatives pass impacts"):
+        model.gradient("x", "m", until=0.1)
+    model = package.load(ROOT / "models/controlled/sampled_kapitza.lag")
+    with pytest.raises(package.ModelError, match="sample blocks have no derivatives"):
+        model.gradient(model.coordinates[0], model.coordinates[0], until=0.1)
+
+
+@pytest.mark.parametrize("method", ["dop853", "rk4", "verlet"])
+def test_a_contact_that_bounces(method: str) -> None:
+    """Thrown up from the floor with v; after the first bounce with e v, after the second e^2 v."""
+    model = package.load(ROOT / "models/contact/bouncing_ball.lag")
+    g, e, v, until = 9.81, 0.8, 5.0, 2.0
+    t = until - 2 * v * (1 + e) / g  # since the second bounce; y = e^2 v t - g t^2/2
+    of_t = e**2 * v - g * t
+    exact = {
+        "v": e**2 * t - of_t * 2 * (1 + e) / g,
+        "e": 2 * e * v * t - of_t * 2 * v / g,
+        "g": -(t**2) / 2 + of_t * 2 * v * (1 + e) / g**2,
+        "m": 0.0,
+    }
+    how = {"rtol": 1e-12} if method == "dop853" else {"step": 0.01}
+    found = model.gradient("y", [*exact], until=until, method=method, **how)
+    assert found == pytest.approx(exact, rel=1e-8, abs=1e-9)
+
+
+def test_a_pendulum_that_bounces() -> None:
+    model = package.load(ROOT / "models/contact/bouncing_double_pendulum.lag")
+    how = {"until": 1.0, "method": "dop853", "rtol": 1e-12}
+    first, second = model.coordinates
+    for name in ("l", "g"):
+        x0 = model.params[name]
+
+        def value(x: float, name: str = name, x0: float = x0) -> float:
+            model.params[name] = x
+            try:
+                return model.run(**how)[second][-1]
+            finally:
+                model.params[name] = x0
+
+        found = model.gradient(second, name, **how)[name]
+        assert found == pytest.approx(slope(value, x0, 1.0, 1e-4), rel=1e-7), first

@@ -302,7 +302,8 @@ class Model(Kernels):
             from ..analysis.sensitivity.forward import Sensitivities
             from ..analysis.sensitivity.tape import Tape
 
-            result.sensitivity = Sensitivities(Tape(prepared, done), by, result.t)
+            with _of(result):
+                result.sensitivity = Sensitivities(Tape(prepared, done), by, result.t)
         return result
 
     def taped(self, options: argparse.Namespace) -> Prepared:

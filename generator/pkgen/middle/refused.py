@@ -16,12 +16,6 @@ OF_ROWS = frozenset(("spectrum", "area"))  # diagnostics that rows alone are nee
 _OF_ROWS = f"'spectrum' and 'area' alone are of its rows; {AS_FORCE}"
 _BUILT = "'pkgen build' makes a program that does"
 _SMOOTH = "leave it out, or write a smooth force in its place"
-_NO_SENSITIVITY = {
-    "sensitivity": (
-        "runs with this have no derivatives",
-        "write an impact as an event: 'event floor: y < 0 then y' = -e*y''",
-    )
-}
 
 
 def _changes(message: str) -> dict[str, tuple[str, str]]:
@@ -51,7 +45,7 @@ _REFUSED = {
             "a function or a table is no input beside a sample block",
             "in a model with sample blocks: --set \"d=sin(t)\", or 'set d = sin(t)' in a scene",
         ),
-        **_NO_SENSITIVITY,
+        "sensitivity": ("runs with sample blocks have no derivatives", AS_FORCE),
     },
     "noises": {
         "pkgen export": (
@@ -71,9 +65,9 @@ _REFUSED = {
         "--diagnose": (_NO_NOISE, "'spectrum' and 'area' alone are of its rows"),
     },
     "resetting": _changes("{} knows no values after events"),
-    "contacts": _changes("{} knows no contacts") | _NO_SENSITIVITY,
-    "frictions": _changes("{} knows no friction") | _NO_SENSITIVITY,
-    "modes": _changes("{} knows no modes") | _NO_SENSITIVITY,
+    "contacts": _changes("{} knows no contacts"),
+    "frictions": _changes("{} knows no friction"),
+    "modes": _changes("{} knows no modes"),
 }
 
 

@@ -240,6 +240,10 @@ size_t pk_run_tape(const struct pk_run *run, const double **rows, size_t *width)
  * the equations of its step. end = 2: writes the derivative of the state at the end by the time of
  * this end, which differs by the error of a step. Returns a status. */
 int pk_run_tape_rates(struct pk_run *run, size_t row, int end, double *rates);
+/* Writes the derivative of the state (q, v) and of the inputs after the event at the end of a row
+ * along a displacement D before it, whose dt shifts the time. PK_NO_CONTACT: neighbours go on with
+ * other contacts. */
+int pk_run_tape_jump(struct pk_run *run, size_t row, const double *D, double *out);
 /* Propagates small displacements, the columns of D, through the steps from `begin` to before `end`,
  * by the derivative of each step. A column is dq (n numbers), dv (n), du (n_inputs), dp
  * (n_parameters) and dt, by which the times of fixed steps shift. At each of the ascending times,

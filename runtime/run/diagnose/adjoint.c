@@ -166,7 +166,7 @@ static void steps(void *context)
         if (!(row[TAPE_T1] > row[TAPE_T0]))
             continue;
         const int cut = tape_is_cut(x->run, row, row[TAPE_T1]);
-        const struct shift shift = {NULL, 1, cut ? 0 : 1};
+        const struct shift shift = {NULL, 1, cut ? 0 : 1, 0};
         if (cut)
             x->out[n2 + x->m] = 0;
         if (x->shifts && (cut || !(system->facts & PK_AUTONOMOUS)))

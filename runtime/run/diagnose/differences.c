@@ -20,11 +20,11 @@ void differences_make(struct differences *d, struct pk_run *run)
     d->run = run;
     d->n = n;
     d->params = memory_take(&run->memory, system->params_size, 1);
-    d->q = memory_take(&run->memory, 6 * n + m, sizeof *d->q);
+    d->q = memory_take(&run->memory, 6 * n + 2 * m, sizeof *d->q);
     d->v = d->q + n;
     d->scale = d->v + n;
     d->found = d->scale + 2 * n;
-    d->u = d->found + 2 * n;
+    d->u = d->found + 2 * n + m;
     d->input = (struct pk_constant_input){d->u, m};
     d->problem = (struct pk_problem){
         .system = system, .params = d->params, .input = pk_constant_input, .context = &d->input};
@@ -105,18 +105,48 @@ static enum pk_status step(struct differences *d, size_t row, pk_real t0, pk_rea
     return status;
 }
 
-static void place(struct differences *d, const pk_real *row)
+/* Sets the state at the start of a row, or at its end. */
+static void place(struct differences *d, const pk_real *row, int end)
 {
     tape_params(d->run, row, d->params);
-    memcpy(d->q, row + TAPE_STATE, 2 * d->n * sizeof *d->q);
+    memcpy(d->q, row + TAPE_STATE + (end ? 2 * d->n : 0), 2 * d->n * sizeof *d->q);
     memcpy(d->u, row + TAPE_STATE + 4 * d->n, d->input.count * sizeof *d->u);
 }
 
 enum pk_status differences_step(struct differences *d, size_t row, pk_real t)
 {
     const pk_real *at = tape_row(d->run->tape, row);
-    place(d, at);
+    place(d, at, 0);
     return step(d, row, at[TAPE_T0], t, 0);
+}
+
+/* Makes the jump of the event at the end of a step, by what acts in the run, which has ended. */
+static enum pk_status act(struct differences *d, size_t row, pk_real t)
+{
+    struct pk_actor *actor = &d->run->actor;
+    struct pk_integrator *it = &d->it;
+    const struct pk_part_contacts *contacts = &d->problem.system->contacts;
+    const struct tape *tape = d->run->tape;
+    const size_t which = (size_t)tape_row(tape, row)[TAPE_MARK] - 1;
+    actor->params = d->params;
+    actor->u = d->u;
+    actor->events = NULL;
+    actor->crowd = 0;
+    actor->happened[which] = 1;
+    for (size_t k = 0; k < contacts->n; k++)
+        actor->seen[k].rests = d->u[contacts->table[k].mode] > 0 ? 0 : (pk_real)NAN;
+    PK_TRY(step(d, row, t, t, 1));
+    PK_TRY(pk_integrator_reset(it, t, d->q, d->v));
+    PK_TRY(pk_actor_run(actor, it));
+    memcpy(d->q, it->q, it->n_q * sizeof *d->q);
+    memcpy(d->v, it->v, it->n * sizeof *d->v);
+    const pk_real *after = tape_row(tape, row + 1) + TAPE_STATE + 4 * d->n;
+    for (size_t k = 0; k < contacts->n; k++) { /* a neighbour that goes on otherwise */
+        const size_t mode = contacts->table[k].mode;
+        if (pk_abs(d->u[mode] - after[mode]) > 0)
+            return PK_NO_CONTACT;
+    }
+    return PK_DONE;
 }
 
 enum pk_status differences_find(struct differences *d, size_t row, pk_real t,
@@ -126,10 +156,10 @@ enum pk_status differences_find(struct differences *d, size_t row, pk_real t,
     const struct pk_system *system = d->problem.system;
     const pk_real *at = tape_row(d->run->tape, row), by = small(d, at, shift);
     const size_t n = d->n, m = system->n_inputs;
-    pk_zero(d->found, 2 * n);
+    pk_zero(d->found, 2 * n + m);
     for (size_t s = 0; s < 4; s++) {
         const pk_real e = offset[s] * by;
-        place(d, at);
+        place(d, at, shift->jumps);
         for (size_t i = 0; shift->D && i < 2 * n; i++)
             d->q[i] += e * (pk_real)shift->D[i]; /* d->v follows d->q */
         for (size_t j = 0; shift->D && j < m; j++)
@@ -138,10 +168,12 @@ enum pk_status differences_find(struct differences *d, size_t row, pk_real t,
             *parameter(d, k) += e * (pk_real)shift->D[2 * n + m + k];
         if (shift->D && system->prepare(d->params))
             return PK_OUT_OF_BOUNDS;
-        PK_TRY(step(d, row, at[TAPE_T0] + e * shift->t0, t + e * shift->t1, shift->D != NULL));
+        const pk_real t0 = at[TAPE_T0] + e * shift->t0, t1 = t + e * shift->t1;
+        PK_TRY(shift->jumps ? act(d, row, t1) : step(d, row, t0, t1, shift->D != NULL));
         pk_add(d->found, weight[s] / (12 * by), d->q, 2 * n);
+        pk_add(d->found + 2 * n, weight[s] / (12 * by), d->u, m);
     }
-    for (size_t i = 0; i < 2 * n; i++)
+    for (size_t i = 0; i < 2 * n + (shift->jumps ? m : 0); i++)
         out[i] = i >= d->it.n_q && i < n ? 0 : (double)d->found[i];
     return PK_DONE;
 }

@@ -117,8 +117,8 @@ static void go(struct tangent *x, size_t k, pk_real t)
     for (size_t c = 0; c < x->columns; c++) {
         double *D = x->D + c * x->wide, *dt = D + x->wide - 1;
         const int shifted = *dt < 0 || *dt > 0;
-        const struct shift shift = {D, (pk_real)*dt, cut ? 0 : (pk_real)*dt};
-        const struct shift times = {NULL, 1, cut ? 0 : 1};
+        const struct shift shift = {D, (pk_real)*dt, cut ? 0 : (pk_real)*dt, 0};
+        const struct shift times = {NULL, 1, cut ? 0 : 1, 0};
         if (!x->exact && x->status >= 0)
             x->status = differences_find(&x->d, k, t, &shift, D);
         else if (shifted && x->status >= 0) {
@@ -224,6 +224,7 @@ struct end {
     struct pk_run *run;
     size_t row;
     int end;
+    const double *D;
     double *rates;
     enum pk_status status;
 };
@@ -237,7 +238,8 @@ static void rates(void *context)
     const size_t n = s->n, n_q = settings_coordinates(s);
     const pk_real *row = tape_row(x->run->tape, x->row);
     const pk_real *q = row + TAPE_STATE + (x->end ? 2 * n : 0), t = row[x->end ? TAPE_T1 : TAPE_T0];
-    const struct shift shift = {NULL, 0, 1};
+    const size_t last = 2 * n + s->system->n_inputs + s->system->n_parameters;
+    const struct shift shift = {x->D, 0, x->D ? (pk_real)x->D[last] : 1, x->D != NULL};
     struct differences d;
     differences_make(&d, x->run);
     if (x->end > 1)
@@ -256,7 +258,14 @@ static void rates(void *context)
 
 int pk_run_tape_rates(struct pk_run *run, size_t k, int end, double *out)
 {
-    struct end x = {run, k, end, out, PK_DONE};
+    struct end x = {run, k, end, NULL, out, PK_DONE};
+    const int done = memory_try(&run->memory, rates, &x);
+    return done ? x.status : PK_NO_MEMORY;
+}
+
+int pk_run_tape_jump(struct pk_run *run, size_t k, const double *D, double *out)
+{
+    struct end x = {run, k, 2, D, out, PK_DONE};
     const int done = memory_try(&run->memory, rates, &x);
     return done ? x.status : PK_NO_MEMORY;
 }

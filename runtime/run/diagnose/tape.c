@@ -35,10 +35,13 @@ static int jumps(const struct pk_run *run, size_t event)
     const struct pk_part_events *events = &run->settings.system->events;
     if (event >= events->n || events->table[event].stop)
         return 1;
+    const struct pk_part_contacts *contacts = &run->settings.system->contacts;
+    int found = 0;
     for (size_t k = 0; k < resets->n; k++)
-        if (resets->table[k].event == event)
-            return 1;
-    return 0;
+        found |= resets->table[k].event == event;
+    for (size_t k = 0; k < contacts->n; k++)
+        found |= contacts->table[k].event == event || contacts->table[k].open == event;
+    return found;
 }
 
 static void event(struct pk_run *run, size_t event, const struct moment *at)

@@ -35,6 +35,7 @@ int tape_is_cut(const struct pk_run *run, const pk_real *row, pk_real t);
 struct shift {
     const double *D;
     pk_real t0, t1;
+    int jumps; /* whether the jump at the end of the step is meant, not the step */
 };
 
 /* Repeats steps of the tape with other starts, by the run's own method; see differences.c. */
@@ -51,7 +52,7 @@ struct differences {
 
 void differences_make(struct differences *d, struct pk_run *run);
 /* Writes the derivative of the end of step `row`, which is at t, along a displacement: n numbers of
- * q and n of v. Returns a status. */
+ * q and n of v; of a jump the inputs too. PK_NO_CONTACT: neighbours keep other contacts. */
 enum pk_status differences_find(struct differences *d, size_t row, pk_real t,
                                 const struct shift *shift, double *out);
 /* Makes the step from row's start to t without displacement. The result is d->q and d->v. */

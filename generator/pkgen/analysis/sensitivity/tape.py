@@ -69,6 +69,12 @@ class Tape:
         self.n, self.m, self.p = len(e.force), len(e.inputs), len(e.parameters)
         self.width = 2 * self.n + self.m + self.p + 1
         self.rows = self._rows()
+        held = [j for j in sorted(self._flags) if (self.rows[:, 3 + 2 * self.n + j] != 0).any()]
+        if held:
+            t = self.rows[(self.rows[:, 3 + 2 * self.n + held[0]] != 0).argmax(), 0]
+            raise NumericsFailed(
+                f"at t = {t:.10g} a contact holds: derivatives pass impacts, and no lasting contact"
+            )
         method = known(of.model.methods)[prepared.settings.method]
         self.fixed = "adaptive" not in method.traits
 
@@ -198,15 +204,11 @@ class Tape:
         jump, shift = numpy.eye(self.width), self.ending(k)
         mark = int(self.rows[k][2])
         if mark <= len(e.events):
-            which = [x.name for x in e.event_names].index
-            resets = [which(event.name) for event in e.model.resetting]
-            own, rows = e.own, e.own + self.n + self.m
-            found = self.kernel("reset_d", *self.state(k, 1), rows * len(resets))
-            found = found.reshape(len(resets), rows, -1)[resets.index(mark - 1)]
-            places = [*range(own), *range(self.n, n + self.m)]
-            jump[places, :-1] = numpy.delete(found, n, axis=1)
-            shift = jump[:n, :n] @ shift
-            shift[[i for i in places if i < n]] += found[: own + self.n, n]
+            found = numpy.zeros((n + self.m, self.width))
+            for j in {*range(self.width)} - self._flags:
+                found[:, j] = self._jump(k, numpy.eye(self.width)[j])
+            jump[: n + self.m, :-1] = found[:, :-1]
+            shift = jump[:n, :n] @ shift + found[:n, -1]
         elif e.switches[mark - 1 - len(e.events)].impulse:
             raise UsageError(
                 f"at t = {self.rows[k][1]:.10g} rates jump at a switch of "
@@ -218,6 +220,26 @@ class Tape:
             shift = shift - self.rates(k + 1, 0)
         jump[:n] += numpy.outer(shift, of_time)
         return jump
+
+    @cached_property
+    def _flags(self) -> set[int]:
+        """The places of inputs that are 1 while a contact holds, or 0."""
+        c, g = self.equations.constraints, self.equations.graph
+        first = [g.data[m.mode].index for m in (c.meetings if c else ())]
+        return {2 * self.n + k + i for k in first for i in (0, 2)}
+
+    def _jump(self, k: int, displacement: NDArray[Any]) -> NDArray[Any]:
+        """Returns the derivative of (q, v, u) after the event at the end of a row. Raises
+        NumericsFailed."""
+        found, d = numpy.zeros(2 * self.n + self.m), numpy.ascontiguousarray(displacement)
+        given = self.run._run, k, _pointer(d), _pointer(found)
+        status = STATUSES[self.run._c.pk_run_tape_jump(*given)]
+        if status != "PK_DONE":
+            raise NumericsFailed(
+                f"at t = {self.rows[k][1]:.10g} neighbours of the motion go on otherwise "
+                f"({status}): it has no derivative there"
+            )
+        return found
 
     # -- forward --------------------------------------------------------------------------------
 

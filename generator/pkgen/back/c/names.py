@@ -58,7 +58,7 @@ _OURS = """
     p t q v u w a M f momenta pdot dLdq p_q pdot_q pdot_v r_q r_v r_t out given lo hi c_ i j k n
     status bad pass sc m_out r_out v_out a_out phi_out J_out residual_out phi_size residual_size
     lambda_out off_out off_size off_rows size_t ptrdiff_t
-    r_u r_p out_x out_u out_p out_d energy_d event_d switch_d reset_d start_p default_p
+    r_u r_p out_x out_u out_p out_d energy_d event_d switch_d start_p default_p
     canonical_d adjoint
 """
 _MEMBERS = " c_ side_ factors_ inverse_ block_"  # of struct NAME_params

@@ -9,7 +9,6 @@ a reverse sweep; mu follows a in the argument a.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import chain
 
 from ...equations import Equations, Matrix, Row
 from ...graph.collect import shortened
@@ -31,7 +30,6 @@ JACOBIANS = {
     "energy_d": "of the energy by q, v, t, the inputs, the parameters",
     "event_d": "of the functions of events by q, v, t, the inputs, the parameters",
     "switch_d": "of the functions of switches by q, v, t, the inputs, the parameters",
-    "reset_d": "of q, v and u after each event that sets them by q, v, t, u, the parameters",
     "start_p": "of the start values of q and v by the parameters",
     "default_p": "of the default values of parameters by the parameters",
     "canonical_d": "of p and pdot by q, v, t, the inputs, the parameters",
@@ -40,10 +38,8 @@ JACOBIANS = {
 
 
 def _rows(e: Equations, name: str) -> Row:
-    """Returns the rows: r = f - M a with a held, the outputs, the values after events (q, v, u),
-    p and pdot, ..."""
-    if name == "reset":
-        return tuple(chain.from_iterable(map(e.after, e.resets)))
+    """Returns the rows: r = f - M a with a held, the outputs, p and
+    pdot, ..."""
     of = {
         "r": lambda: residual(e.graph, e.force, e.mass),
         "out": lambda: e.observed,
