@@ -11,6 +11,7 @@ from ..methods import Own
 from ..own import in_c
 from ..record import record
 from ..system.exits import UsageError
+from .c.program import LoopProgram, Program
 from .runtime import alone, sources
 
 
@@ -19,7 +20,8 @@ class Exported:
     """A model to export. `description` is what `pkgen describe` tells (docs/dev/describe.md).
     `files` are the generated C files. `separable`: the mass matrix is constant and forces do not
     depend on rates. `own` are integration methods that the model's author defines. `options` are
-    the options of the command line."""
+    the options of the command line. `program` is what the files were rendered from, with its
+    equations."""
 
     name: str
     description: Mapping[str, Any]
@@ -27,6 +29,7 @@ class Exported:
     separable: bool
     own: tuple[Own, ...]
     options: argparse.Namespace
+    program: Program | LoopProgram
 
     def runtime(self, *texts: str) -> dict[str, str]:
         """Returns the runtime's files that the model and the C sources `texts` need, by their paths
