@@ -1,36 +1,36 @@
 """Makes a C file and its library of external functions for CasADi: x' = f(x, u, p), the outputs,
 the start, and their Jacobians by CasADi's names, with their sparsity.
 
-x has the coordinates, then v: rates, body rates, first-order variables. With r = f - M a, each
+x has the coordinates q, then v: rates, body rates, first-order variables. With r = f - M a, each
 da/dx is M^-1 dr/dx at constant a; the C solves for it in place. A row of M^-1 dr/dx has the entries
-that the rows of dr/dx in the same block of M have.
+that all rows of dr/dx in the same block of M have.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
+from pathlib import Path
 
 from pkgen.back.c.ctext import comment, paragraph
 from pkgen.back.exported import Exported, Host
 from pkgen.back.host.data import states
 from pkgen.back.library import TARGETS, library, this_machine
 from pkgen.back.templates import filled
+from pkgen.graph.graph import BIT, ZERO, Kind
 from pkgen.record import record
 from pkgen.version import __version__
 
 from ..standalone.plain import plain
-from .places import HERE, Places
 
 KERNELS = frozenset(
     ("acceleration", "linear", "mass", "observe", "r_u", "r_p", "out_d", "start_p")
 ) | {"energy", "event"}  # a run without steps describes the model; its columns need these
-SHOWN = "f y x0 p0 jac_"  # what the names of the library begin with
 
 
 @record
 class Value:
-    """A vector or a matrix of a function: its name, its shape, and its nonzero entries column by
-    column as (row, column, index in the work array)."""
+    """A vector or matrix: its shape, and its nonzero entries as (column, row, index in the work
+    array), in this order."""
 
     name: str
     rows: int
@@ -39,101 +39,136 @@ class Value:
 
     @property
     def sparsity(self) -> list[int]:
-        """Returns the compressed columns as CasADi takes them."""
-        starts = [sum(column < k for _, column, _ in self.entries) for k in range(self.columns + 1)]
-        return [self.rows, self.columns, *starts, *(row for row, _, _ in self.entries)]
-
-    @property
-    def places(self) -> list[int]:
-        return [place for _, _, place in self.entries]
+        """Returns the compressed columns in CasADi's format."""
+        ends = [sum(column < k for column, _, _ in self.entries) for k in range(self.columns + 1)]
+        return [self.rows, self.columns, *ends, *(row for _, row, _ in self.entries)]
 
 
-@record
-class Function:
-    name: str
-    inputs: tuple[Value, ...]
-    outputs: tuple[Value, ...]
+class Places:
+    """The work array: `at` has the first index of each array, `size` is their sum. `nq` and `n` are
+    the lengths of q and v, `follows` says which of x start with values that depend on
+    parameters."""
 
+    def __init__(self, model: Exported, follows: list[bool]):
+        e, blocks = model.program.equations, model.program.structure.mass_blocks
+        self.n, self.nq = n, nq = len(e.coordinates), e.own
+        self.nu, self.np, self.ny = nu, np, ny = len(e.inputs), len(e.parameters), len(e.observed)
+        sizes = {"t": 1, "one": 1, "q": n, "v": n, "u": nu, "p": np, "a": n, "y": ny}
+        sizes |= {"M": n * n, "r_q": n * n, "r_v": n * n, "r_t": n, "r_u": n * nu, "r_p": n * np}
+        sizes |= {"out_d": ny * (2 * n + 1 + nu + np), "start_p": 2 * n * np}
+        self.at, self.size = {}, 0
+        for name, size in sizes.items():
+            self.at[name] = self.size
+            self.size += size
+        nodes = (*e.force, *sum(e.mass, ()), *e.observed)
+        self.timed = any(e.graph.depends[node] & BIT[Kind.TIME] for node in nodes)
+        u, p = 2 * n + 1, 2 * n + 1 + nu
+        starts = [*range(nq), *range(n, 2 * n)]  # q and v in the rows and columns of kernels
+        self.matrices = {"r_q": e.linear.r_q, "r_v": e.linear.r_v, **(e.sensitivity or {})}
+        self.matrices["r_t"] = tuple((node,) for node in e.linear.r_t)
+        # Of each function, by input: the kernel and the columns in it.
+        self.columns = {
+            "f": {
+                "x": [("r_q", range(nq)), ("r_v", range(n))],
+                **{one: [(f"r_{one}", range(k))] for one, k in (("u", nu), ("p", np), ("t", 1))},
+            },
+            "y": {
+                "x": [("out_d", starts)],
+                "u": [("out_d", range(u, p))],
+                "p": [("out_d", range(p, p + np))],
+                "t": [("out_d", range(2 * n, u))],
+            },
+            "x0": {"p": [("start_p", range(np))]},
+        }
+        # Of each function: its row, the kernel's row, and the rows of which it is made.
+        self.rows = {
+            "f": [(nq + i, i, block) for block in blocks for i in block],
+            "y": [(i, i, (i,)) for i in range(ny)],
+            "x0": [(i, k, (k,)) for i, k in enumerate(starts) if follows[i]],
+        }
 
-def _vector(name: str, places: Iterable[int]) -> Value:
-    entries = tuple((row, 0, place) for row, place in enumerate(places))
-    return Value(name, len(entries), 1, entries)
+    def places(self, *parts: tuple[str, int]) -> list[int]:
+        return [self.at[name] + i for name, count in parts for i in range(count)]
 
+    def vector(self, name: str, *parts: tuple[str, int]) -> Value:
+        found = self.places(*parts)
+        return Value(name, len(found), 1, tuple((0, row, at) for row, at in enumerate(found)))
 
-def _functions(w: Places) -> Iterator[Function]:
-    """Yields each function, followed by its Jacobian."""
-    x, u, p, t = (
-        _vector(name, places)
-        for name, places in (("x", w.x), ("u", w.u), ("p", w.p), ("t", [w.at["t"]]))
-    )
-    given = (x, u, p, *([t] if w.timed else []))
-    yield from _with_jacobian("f", given, _vector("xdot", w.xdot), w.slopes_of_f)
-    if w.y:
-        yield from _with_jacobian("y", given, _vector("y", w.y), w.slopes_of_y)
-    yield from _with_jacobian("x0", (p,), _vector("x0", w.x), w.slopes_of_x0)
-    yield Function("p0", (), (_vector("p", w.p),))
+    def jacobian(self, function: str, output: Value, by: Value) -> Value:
+        found, column = [], 0
+        for kernel, columns in self.columns[function][by.name]:
+            for j in columns:
+                if kernel == "r_v" and j < self.nq:
+                    found.append((column, j, self.at["one"]))  # q' = v
+                matrix = self.matrices[kernel]
+                for row, k, made_of in self.rows[function]:
+                    if any(matrix[i][j] != ZERO for i in made_of):
+                        found.append((column, row, self.at[kernel] + k * len(matrix[0]) + j))
+                column += 1
+        return Value(f"jac_{output.name}_{by.name}", output.rows, column, tuple(sorted(found)))
 
-
-def _with_jacobian(name, inputs, output, slopes) -> Iterator[Function]:
-    """Yields a function and its Jacobian. `slopes(input)` returns for each column the places of its
-    nonzero entries by row."""
-    yield Function(name, inputs, (output,))
-    nominal = Value(f"out_{output.name}", output.rows, 1, ())  # CasADi gives the output; not read
-    blocks = []
-    for one in inputs:
-        columns = slopes(one.name)
-        entries = ((i, j, found[i]) for j, found in enumerate(columns) for i in sorted(found))
-        blocks.append(Value(f"jac_{output.name}_{one.name}", output.rows, one.rows, (*entries,)))
-    yield Function(f"jac_{name}", (*inputs, nominal), (*blocks,))
+    def functions(self) -> Iterator[tuple[str, list[Value], list[Value]]]:
+        """Yields the name, the inputs and the outputs of each function, a Jacobian after its own.
+        CasADi gives a Jacobian the function's output too, which it does not read."""
+        x, u, p, t = (
+            self.vector("x", ("q", self.nq), ("v", self.n)),
+            *(self.vector(name, (name, k)) for name, k in (("u", self.nu), ("p", self.np))),
+            self.vector("t", ("t", 1)),
+        )
+        given = [x, u, p, *([t] if self.timed else [])]
+        made = {"f": (given, self.vector("xdot", ("v", self.nq), ("a", self.n)))}
+        if self.ny:
+            made["y"] = given, self.vector("y", ("y", self.ny))
+        made["x0"] = [p], self.vector("x0", ("q", self.nq), ("v", self.n))
+        for name, (inputs, output) in made.items():
+            yield name, inputs, [output]
+            unread = Value(f"out_{output.name}", output.rows, 1, ())
+            blocks = [self.jacobian(name, output, one) for one in inputs]
+            yield f"jac_{name}", [*inputs, unread], blocks
+        yield "p0", [], [p]
 
 
 def make(model: Exported) -> dict[str, bytes]:
-    name, of, program = model.name, model.description, model.program
-    e = program.equations
-    y = states(of)
-    w = Places(program, [item["follows"] for item in y])
-    header, source = (
-        plain(model.files[f"{name}.{end}"], {"PK_RUNTIME": False}) for end in ("h", "c")
-    )
+    name, program, x = model.name, model.program, states(model.description)
+    e, w = program.equations, Places(model, [item["follows"] for item in x])
+    header, source = (plain(model.files[f"{name}.{k}"], {"PK_RUNTIME": False}) for k in "hc")
     lists = {
-        "x": [(item["name"], item["unit"]) for item in y],
+        "x": [(item["name"], item["unit"]) for item in x],
         "u": [(q.name, q.unit) for q in e.inputs],
         "p": [(slot.quantity.name, slot.quantity.unit) for slot in e.parameters],
         "y": [(q.name, q.unit) for q in e.observed_names],
     }
-    named = [
-        paragraph(f"{key}: " + comment(", ".join(f"{a} [{b}]" if b else a for a, b in found)))
-        for key, found in lists.items()
-        if found
-    ]
     text = filled(
-        HERE / "templates",
+        Path(__file__).parent / "templates",
         "casadi.c.j2",
         name=name,
         version=__version__,
-        header=header,
-        source=source.replace(f'#include "{name}.h"\n', "", 1),
-        named=named,
+        code=header + "\n" + source.replace(f'#include "{name}.h"\n', "", 1),
+        lists=[
+            paragraph(comment(f"{key}: {', '.join(f'{a} [{b}]' if b else a for a, b in found)}"))
+            for key, found in lists.items()
+            if found
+        ],
         w=w,
         kernels=[kernel.name for kernel in program.kernels],
         parameters=program.parameter_names,
-        tables=bool(program.tables),
-        numbers=[repr(float(item["value"])) for item in of["parameters"]],
+        tables=program.tables,
+        values=[repr(float(item["value"])) for item in model.description["parameters"]],
         starts=[
-            (place, repr(float(item["value"])))
-            for place, item in zip(w.x, y, strict=True)
+            (at, repr(float(item["value"])))
+            for at, item in zip(w.places(("q", w.nq), ("v", w.n)), x, strict=True)
             if not item["follows"] and item["value"] is not None
         ],
-        functions=list(_functions(w)),
+        functions=list(w.functions()),
     )
-    path = f"{name}_casadi"
-    made = library({f"{path}.c": text}, SHOWN)
-    return {f"{path}.c": text.encode(), f"{path}{TARGETS[this_machine()].suffix}": made}
+    made = library({f"{name}_casadi.c": text}, "f y x0 p0 jac_")
+    suffix = TARGETS[this_machine()].suffix
+    return {f"{name}_casadi.c": text.encode(), f"{name}_casadi{suffix}": made}
 
 
 CASADI = Host(
     "casadi",
-    "x' = f(x, u, p) with Jacobians, as external functions",
+    "x' = f(x, u, p) with Jacobians as external functions",
     make,
     how=lambda _: {"kernels": KERNELS},
 )
