@@ -165,6 +165,14 @@ def test_sparsity(tmp_path: Path) -> None:
     assert not Function(kept, "jac_x0")(p[:, 0], np.zeros(4))[0].any()
 
 
+def test_a_scene(tmp_path: Path) -> None:
+    """A scene that holds the input; what its expectations compute are no outputs."""
+    model = ROOT / "models/parts/motor.lag"
+    f = Function(export(model, tmp_path / "made", "--scene", "starts_up"), "y")
+    assert [*f.inputs] == ["x", "u", "p"] and f.inputs["u"][0] == (0, 1)
+    assert f([0, 2], [], [0.02, 0.3, 1.5, 0.01, 12, 0.5, 0])[0] == pytest.approx((12 - 0.6) / 1.5)
+
+
 def test_failures(tmp_path: Path) -> None:
     library = export(written(tmp_path, CART), tmp_path / "made")
     for name in ("f", "jac_f"):

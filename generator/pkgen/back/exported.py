@@ -11,7 +11,6 @@ from ..methods import Own
 from ..own import in_c
 from ..record import record
 from ..system.exits import UsageError
-from .c.program import LoopProgram, Program
 from .runtime import alone, sources
 
 
@@ -20,8 +19,8 @@ class Exported:
     """A model to export. `description` is what `pkgen describe` tells (docs/dev/describe.md).
     `files` are the generated C files. `separable`: the mass matrix is constant and forces do not
     depend on rates. `own` are integration methods that the model's author defines. `options` are
-    the options of the command line. `program` is what the files were rendered from, with its
-    equations."""
+    the options of the command line. `program` is the Program or LoopProgram that the files are
+    rendered from."""
 
     name: str
     description: Mapping[str, Any]
@@ -29,7 +28,7 @@ class Exported:
     separable: bool
     own: tuple[Own, ...]
     options: argparse.Namespace
-    program: Program | LoopProgram
+    program: Any
 
     def runtime(self, *texts: str) -> dict[str, str]:
         """Returns the runtime's files that the model and the C sources `texts` need, by their paths

@@ -44,6 +44,10 @@ class Value:
         return [self.rows, self.columns, *ends, *(row for _, row, _ in self.entries)]
 
 
+def _vector(name: str, places: list[int]) -> Value:
+    return Value(name, len(places), 1, tuple((0, row, at) for row, at in enumerate(places)))
+
+
 class Places:
     """The work array: `at` has the first index of each array, `size` is their sum. `nq` and `n` are
     the lengths of q and v, `follows` says which of x start with values that depend on
@@ -52,15 +56,17 @@ class Places:
     def __init__(self, model: Exported, follows: list[bool]):
         e, blocks = model.program.equations, model.program.structure.mass_blocks
         self.n, self.nq = n, nq = len(e.coordinates), e.own
-        self.nu, self.np, self.ny = nu, np, ny = len(e.inputs), len(e.parameters), len(e.observed)
+        self.nu, self.np = nu, np = len(e.inputs), len(e.parameters)
+        ny = len(e.observed)
         sizes = {"t": 1, "one": 1, "q": n, "v": n, "u": nu, "p": np, "a": n, "y": ny}
         sizes |= {"M": n * n, "r_q": n * n, "r_v": n * n, "r_t": n, "r_u": n * nu, "r_p": n * np}
+        self.shown = [y["index"] for y in model.description["outputs"] if not y["hidden"]]
         sizes |= {"out_d": ny * (2 * n + 1 + nu + np), "start_p": 2 * n * np}
         self.at, self.size = {}, 0
         for name, size in sizes.items():
             self.at[name] = self.size
             self.size += size
-        nodes = (*e.force, *sum(e.mass, ()), *e.observed)
+        nodes = (*e.force, *sum(e.mass, ()), *(e.observed[k] for k in self.shown))
         self.timed = any(e.graph.depends[node] & BIT[Kind.TIME] for node in nodes)
         u, p = 2 * n + 1, 2 * n + 1 + nu
         starts = [*range(nq), *range(n, 2 * n)]  # q and v in the rows and columns of kernels
@@ -83,7 +89,7 @@ class Places:
         # Of each function: its row, the kernel's row, and the rows of which it is made.
         self.rows = {
             "f": [(nq + i, i, block) for block in blocks for i in block],
-            "y": [(i, i, (i,)) for i in range(ny)],
+            "y": [(i, k, (k,)) for i, k in enumerate(self.shown)],
             "x0": [(i, k, (k,)) for i, k in enumerate(starts) if follows[i]],
         }
 
@@ -91,8 +97,7 @@ class Places:
         return [self.at[name] + i for name, count in parts for i in range(count)]
 
     def vector(self, name: str, *parts: tuple[str, int]) -> Value:
-        found = self.places(*parts)
-        return Value(name, len(found), 1, tuple((0, row, at) for row, at in enumerate(found)))
+        return _vector(name, self.places(*parts))
 
     def jacobian(self, function: str, output: Value, by: Value) -> Value:
         found, column = [], 0
@@ -117,8 +122,8 @@ class Places:
         )
         given = [x, u, p, *([t] if self.timed else [])]
         made = {"f": (given, self.vector("xdot", ("v", self.nq), ("a", self.n)))}
-        if self.ny:
-            made["y"] = given, self.vector("y", ("y", self.ny))
+        if self.shown:
+            made["y"] = given, _vector("y", [self.at["y"] + k for k in self.shown])
         made["x0"] = [p], self.vector("x0", ("q", self.nq), ("v", self.n))
         for name, (inputs, output) in made.items():
             yield name, inputs, [output]
@@ -136,7 +141,7 @@ def make(model: Exported) -> dict[str, bytes]:
         "x": [(item["name"], item["unit"]) for item in x],
         "u": [(q.name, q.unit) for q in e.inputs],
         "p": [(slot.quantity.name, slot.quantity.unit) for slot in e.parameters],
-        "y": [(q.name, q.unit) for q in e.observed_names],
+        "y": [(e.observed_names[k].name, e.observed_names[k].unit) for k in w.shown],
     }
     text = filled(
         Path(__file__).parent / "templates",
