@@ -180,6 +180,8 @@ def test_failures(tmp_path: Path) -> None:
             Function(library, name)(np.zeros(4), [0], [1, 1, -1, 1, 1])
         with pytest.raises(ArithmeticError):
             Function(library, name)([0, np.nan, 0, 0], [0], [1, 1, 1, 1, 1])
+    with pytest.raises(ArithmeticError):
+        Function(library, "x0")([1, 1, -1, 1, 1])
     sampled = ROOT / "models/controlled/cart_pole_swing_up.lag"
     done = run_pkgen("export", sampled, "--as", "casadi", "-o", tmp_path / "no")
     assert done.returncode and "runs no sample block" in done.stderr
