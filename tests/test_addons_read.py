@@ -59,7 +59,7 @@ READ = {
         run.library run.named run.settings run.simulate run.values scenes.run
     """,
     "fmu": "front.units",
-    "hosts": "methods",
+    "hosts": "graph.graph methods",
     "pages": """
         analysis.chart.chart analysis.chart.table analysis.chart.text analysis.stability.map
         analysis.stability.text compiler equations explain.contents explain.explain

@@ -19,7 +19,8 @@ class Exported:
     """A model to export. `description` is what `pkgen describe` tells (docs/dev/describe.md).
     `files` are the generated C files. `separable`: the mass matrix is constant and forces do not
     depend on rates. `own` are integration methods that the model's author defines. `options` are
-    the options of the command line."""
+    the options of the command line. `program` is the Program or LoopProgram that the files are
+    rendered from."""
 
     name: str
     description: Mapping[str, Any]
@@ -27,6 +28,7 @@ class Exported:
     separable: bool
     own: tuple[Own, ...]
     options: argparse.Namespace
+    program: Any
 
     def runtime(self, *texts: str) -> dict[str, str]:
         """Returns the runtime's files that the model and the C sources `texts` need, by their paths

@@ -79,7 +79,7 @@ def named(text: str) -> list[Target]:
 
 def library(files: Mapping[str, str], shown: str, target: Target | None = None) -> bytes:
     """Returns a shared library of C files and headers, given by their paths. It exports the names
-    that begin with `shown`. Without a target, this machine's own compiler is used. Raises
+    that begin with a word of `shown`. Without a target, this machine's own compiler is used. Raises
     BuildError."""
     there = target or TARGETS[this_machine()]
     compiler = list(find_toolchain().cc) if target is None else _zig(target)
@@ -97,7 +97,8 @@ def library(files: Mapping[str, str], shown: str, target: Target | None = None) 
         objects = _core(core, compiles)
         own = {path: text for path, text in files.items() if path not in core}
         headers = {path: text for path, text in core.items() if path.endswith(".h")}
-        exports = {"exports": f"{{ global: {shown}*; local: *; }};\n"}
+        names = " ".join(f"{word}*;" for word in shown.split())
+        exports = {"exports": f"{{ global: {names} local: *; }};\n"}
         made = [f"{source}.o" for source in _compiled({**headers, **own, **exports}, compiles, new)]
         run([*link, *made, *map(str, sorted(objects.glob("*.o"))), *libraries, "-o", name], new)
         for path in list(new.iterdir()):

@@ -82,6 +82,7 @@ def run(options: argparse.Namespace) -> None:
         made.structure.separable,
         made.model.methods,
         options,
+        made.program,
     )
     files = _placed(host, model.name, host.make(model), options.path)
     for line in host.warnings(model):

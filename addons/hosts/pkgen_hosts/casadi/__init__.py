@@ -1,0 +1,1 @@
+"""Exports a model as external functions for CasADi."""
