@@ -17,7 +17,7 @@ from pkgen.run.values import Values
 from pkgen.system.exits import UsageError
 
 from .optimum import Optimum
-from .shooting import SLOPE, Shooting
+from .shooting import BEGIN, SLOPE, Shooting
 from .solve import SOLVERS, Programme, solved
 from .wanted import INTEGRAL, Range, Wanted, checked, ranges, units, whole
 
@@ -124,12 +124,12 @@ def _found(
     if wanted.linear and wanted.inputs:
         lines, of_unit = "", units(model.compilation)
         time = "" if model.compilation.model.dimensionless else "s"
-        for name in wanted.inputs:
+        for j, name in enumerate(wanted.inputs):
+            begin, slope = BEGIN.format(j), SLOPE.format(j)
             unit = of_unit[name]
             rate = f" [{unit}/s]" if unit and time else f" [1/{time}]" if time else ""
-            lines += f"param {name}_begin = 0{f' [{unit}]' if unit else ''}\n"
-            lines += f"param {SLOPE.format(name)} = 0{rate}\n"
-            sets.append(f"{name}={name}_begin + {SLOPE.format(name)}*t")
+            lines += f"param {begin} = 0{f' [{unit}]' if unit else ''}\nparam {slope} = 0{rate}\n"
+            sets.append(f"{name}={begin} + {slope}*t")
         inner = model.extended(lines, {})
     h = wanted.duration[1] / wanted.pieces
     options = arguments.options(inner, {**more, "until": h, "every": h})

@@ -25,7 +25,8 @@ from .wanted import INTEGRAL, Wanted
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-SLOPE = "{}_slope"  # the parameter that is the slope of a linear input
+# Parameters of a linear input, by its number: its value where a piece begins, and its slope.
+BEGIN, SLOPE = "begin_of_input_{}", "slope_of_input_{}"
 Slopes = tuple[Any, Any, Any]  # values, derivatives by what a piece begins with, by its duration
 
 
@@ -75,8 +76,8 @@ class Shooting:
         for j, name in enumerate(self.inputs):
             if w.linear:
                 a, b = z[self.u[k, j]], z[self.u[k + 1, j]]
-                values[parameters[name + "_begin"][0]] = float(a)
-                values[parameters[SLOPE.format(name)][0]] = float((b - a) / h)
+                values[parameters[BEGIN.format(j)][0]] = float(a)
+                values[parameters[SLOPE.format(j)][0]] = float((b - a) / h)
             else:
                 held[inputs[name][0]] = float(z[self.u[k, j]])
         starts = dict(prepared.settings.start_q), dict(prepared.settings.start_v)
@@ -104,7 +105,7 @@ class Shooting:
             self.failed = done.messages.strip() or str(done.report.get("reason", ""))
             return None
         tape = Tape(run, done)
-        inner = [f"{x}_begin" for x in self.inputs] + [SLOPE.format(x) for x in self.inputs]
+        inner = [x.format(j) for x in (BEGIN, SLOPE) for j in range(len(self.inputs))]
         by = [*self.moving, *(inner if w.linear else self.inputs), *self.parameters]
         h = run.settings.until
         try:

@@ -8,6 +8,15 @@ param k = 0 in [0, 9]
 lagrangian x'^2/2 - k*x^2/2 + F*x
 observe twice = 2*x
 """
+UNITS = """
+model pushed
+param m = 2 [kg]
+coord x [m]
+input F [N]
+kinetic m*x'^2/2
+potential (0 [N])*x
+force x = F
+"""
 THROWN = """
 model thrown
 param angle = 0.3
