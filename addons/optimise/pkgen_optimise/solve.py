@@ -130,7 +130,7 @@ def _slsqp(programme: Programme, iterations: int) -> Found:
         bounds=list(zip(*programme.bounds, strict=True)),
         constraints=constraints if equal else constraints[1:],
         method="SLSQP",
-        options={"maxiter": iterations, "ftol": 1e-10},
+        options={"maxiter": iterations, "ftol": 1e-11},
     )
     return found.x, str(found.message), found.success
 
