@@ -58,8 +58,16 @@ READ = {
         cli.arguments cli.compilation compiler equations plot.names plot.style run.ensemble
         run.library run.named run.settings run.simulate run.values scenes.run
     """,
+    "fit": """
+        analysis.sensitivity.forward analysis.sensitivity.tape cli.arguments compiler front.data
+        plot.style run.library run.named run.values
+    """,
     "fmu": "front.units",
     "hosts": "graph.graph methods",
+    "optimise": """
+        analysis.sensitivity.forward analysis.sensitivity.tape cli.arguments compiler graph.graph
+        plot.style run.library run.named run.values
+    """,
     "pages": """
         analysis.chart.chart analysis.chart.table analysis.chart.text analysis.stability.map
         analysis.stability.text compiler equations explain.contents explain.explain

@@ -11,6 +11,7 @@ from pkgen.cli import arguments as shared
 from pkgen.plot import style
 from pkgen.run.values import assignment
 from pkgen.system.exits import DONE, UsageError
+from pkgen.system.near import near
 
 from .optimise import ITERATIONS, PIECES, optimised
 
@@ -54,9 +55,17 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Find inputs, parameters, starts and a duration at which a motion is best."""
     model = load(options.model, options.scene)
+    if options.o and options.o.rpartition(".")[2] not in style.FORMATS:
+        raise UsageError(f"-o {options.o}: a picture ends with .{', .'.join(style.FORMATS)}")
+    inputs = {x.name for x in model.compilation.equations.inputs}
     for text in options.set:
         name, value = assignment("--set", text)
-        model.params[name] = value
+        if name in inputs:
+            options.input.append(text)
+        elif name in model.params:
+            model.params[name] = value
+        else:
+            raise UsageError(f"--set {name}: {near(name, [*model.params], 'parameter')}")
     given = {k: getattr(options, k) for k in ("minimise", "maximise", "integral", "until")}
     ranges = {k: _ranges(f"--{k}", getattr(options, k)) for k in ("input", "free", "end", "path")}
     of_run = {k: getattr(options, k) for k in ("method", "step", "rtol")}
@@ -77,10 +86,7 @@ def run(options: argparse.Namespace) -> int:
     )
     print(json.dumps(found.record(), indent=1) if options.json else found.text(), end="")
     if options.o:
-        kind = options.o.rpartition(".")[2]
-        if kind not in style.FORMATS:
-            raise UsageError(f"-o {options.o}: a picture ends with .{', .'.join(style.FORMATS)}")
-        Path(options.o).write_bytes(style.encoded(found.plot(), kind))
+        Path(options.o).write_bytes(style.encoded(found.plot(), options.o.rpartition(".")[2]))
     return DONE
 
 

@@ -12,13 +12,14 @@ import numpy
 from pkgen.api import arguments
 from pkgen.api.arguments import in_words
 from pkgen.api.model import Model
-from pkgen.graph.graph import BIT, Kind
+from pkgen.run.library import load
+from pkgen.run.values import Values
 from pkgen.system.exits import UsageError
 
 from .optimum import Optimum
-from .shooting import SLOPE, Shooting
+from .shooting import BEGIN, SLOPE, Shooting
 from .solve import SOLVERS, Programme, solved
-from .wanted import INTEGRAL, Range, Wanted, checked, ranges, units
+from .wanted import INTEGRAL, Range, Wanted, checked, ranges, units, whole
 
 PIECES, ITERATIONS = 20, 300
 
@@ -68,9 +69,10 @@ def optimised(
     if not (minimise or maximise or integral):
         raise UsageError("--minimise: name a column, or give --integral")
     if integral:
-        lines = f"state {INTEGRAL}\nrate {INTEGRAL} = {integral}\nstart {INTEGRAL} = 0\n"
-        model = model.extended(lines, {})
+        model = model.extended(f"observe {INTEGRAL} = integral({integral})\n", {})
     of = model.compilation
+    if of.looped:
+        raise UsageError("optimise: there is none for families kept as loops")
     wanted = Wanted(
         minimise or maximise,
         -1.0 if maximise else 1.0,
@@ -82,11 +84,13 @@ def optimised(
         ranges(of, "--path", path or {}, "column"),
         _pairs(periodic),
         _duration(of, until),
-        pieces,
+        ranges(of, "--guess", guess or {}, "quantity"),
+        whole("--pieces", pieces, 1000),
         linear,
     )
-    guesses = ranges(of, "--guess", guess or {}, "quantity")
-    return _found(model, checked(wanted, of), guesses, solver, iterations, more)
+    return _found(
+        model, checked(wanted, of), solver, whole("--iterations", iterations, 10**6), more
+    )
 
 
 def _pairs(periodic: Any) -> dict[str, str]:
@@ -97,8 +101,6 @@ def _pairs(periodic: Any) -> dict[str, str]:
 
 
 def _duration(of: Any, until: Any) -> Range:
-    from pkgen.run.values import Values
-
     values = Values(of)
     ends = until.split(":") if isinstance(until, str) else until
     ends = list(ends) if isinstance(ends, list | tuple) else [ends]
@@ -114,7 +116,6 @@ def _duration(of: Any, until: Any) -> Range:
 def _found(
     model: Model,
     wanted: Wanted,
-    guesses: dict[str, Range],
     solver: str,
     iterations: int,
     more: dict[str, Any],
@@ -123,12 +124,12 @@ def _found(
     if wanted.linear and wanted.inputs:
         lines, of_unit = "", units(model.compilation)
         time = "" if model.compilation.model.dimensionless else "s"
-        for name in wanted.inputs:
+        for j, name in enumerate(wanted.inputs):
+            begin, slope = BEGIN.format(j), SLOPE.format(j)
             unit = of_unit[name]
             rate = f" [{unit}/s]" if unit and time else f" [1/{time}]" if time else ""
-            lines += f"param {name}_begin = 0{f' [{unit}]' if unit else ''}\n"
-            lines += f"param {SLOPE.format(name)} = 0{rate}\n"
-            sets.append(f"{name}={name}_begin + {SLOPE.format(name)}*t")
+            lines += f"param {begin} = 0{f' [{unit}]' if unit else ''}\nparam {slope} = 0{rate}\n"
+            sets.append(f"{name}={begin} + {slope}*t")
         inner = model.extended(lines, {})
     h = wanted.duration[1] / wanted.pieces
     options = arguments.options(inner, {**more, "until": h, "every": h})
@@ -136,71 +137,46 @@ def _found(
     with warnings.catch_warnings():  # of lines that a scene alone uses
         warnings.simplefilter("ignore")
         prepared = inner.taped(options)
-    _refuse_time(model)
-    names = [*inner.coordinates, *inner.rates]
-    start = dict(zip(names, map(float, inner.start), strict=True))
-    start |= {k: float(x) for k, x in _given(prepared, names).items()}
-    shooting = Shooting(prepared, wanted, start)
-    programme = Programme(shooting, *_bounded(shooting, guesses))
+    given = load(prepared.library).run(prepared.settings, idle=True).given()
+    shooting = Shooting(prepared, wanted)
+    values = [*given["q"][: shooting.q.count], *given["v"]]  # an integral comes last
+    now = dict(zip(shooting.moving, values, strict=False))
+    now |= {name: model.params[name] for name in wanted.parameters}
+    programme = Programme(shooting, *_bounded(shooting, now))
     z, name, said = solved(programme, solver, iterations)
     return Optimum(model, shooting, z, name, said)
 
 
-def _refuse_time(model: Model) -> None:
-    e = model.compilation.equations
-    nodes = [*e.force, *e.state_rates, *(x for row in e.mass for x in row)]
-    if any(e.graph.depends[node] & BIT[Kind.TIME] for node in nodes):
-        raise UsageError("the equations depend on time: pieces of the motion all begin at t = 0")
-
-
-def _given(prepared: Any, names: list[str]) -> dict[str, float]:
-    """Returns the starts that options set."""
-    settings, count = prepared.settings, len(prepared.compilation.equations.seen)
-    found = {names[i]: x for i, x in settings.start_q}
-    return found | {names[count + i]: x for i, x in settings.start_v}
-
-
 def _bounded(
-    s: Shooting, guesses: dict[str, Range]
+    s: Shooting, now: dict[str, float]
 ) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
-    """Returns a first guess of z, and its bounds. States go straight from their start to their
-    end."""
+    """Returns a first guess of z, and its bounds; `now` has the model's own values. States go
+    straight from their start to their end."""
     w, z = s.wanted, numpy.zeros(s.size)
     lower, upper = numpy.full(s.size, -math.inf), numpy.full(s.size, math.inf)
     part = numpy.linspace(0, 1, w.pieces + 1)
     for i, name in enumerate(s.moving):
-        first = last = s.start[i]
+        first = last = now[name]
         if name in w.end:
             last = min(max(first, w.end[name][0]), w.end[name][1])
-        if name in guesses:
-            first, last = guesses[name]
+        if name in w.guess:
+            first, last = w.guess[name]
         z[s.states[:, i]] += first + part * (last - first)
-        if name in s.q and (rate := f"{name}'") in s.moving and rate not in guesses:
+        if name in s.q and (rate := f"{name}'") in s.moving and rate not in w.guess:
             z[s.states[:, s.moving.index(rate)]] += (last - first) / (sum(w.duration) / 2)
         if name in w.path:
             lower[s.states[:, i]], upper[s.states[:, i]] = w.path[name]
         if name not in w.starts:
             place = s.states[0, i]
-            z[place] = lower[place] = upper[place] = s.start[i]
+            z[place] = lower[place] = upper[place] = now[name]
     for j, name in enumerate(s.inputs):
         low, high = w.inputs[name]
         lower[s.u[:, j]], upper[s.u[:, j]] = low, high
-        ends = guesses.get(name, (min(max(0.0, low), high),) * 2)
+        ends = w.guess.get(name, (min(max(0.0, low), high),) * 2)
         z[s.u[:, j]] = numpy.linspace(*ends, len(s.u))
-    values = s.prepared.compilation
     for k, name in enumerate(s.parameters):
-        low, high = w.parameters[name]
-        lower[s.p[k]], upper[s.p[k]] = low, high
-        now = guesses.get(name, (_now(s, values, name),))[0]
-        z[s.p[k]] = min(max(now, low), high)
+        lower[s.p[k]], upper[s.p[k]] = low, high = w.parameters[name]
+        z[s.p[k]] = min(max(w.guess.get(name, (now[name],))[0], low), high)
     lower[s.T], upper[s.T] = w.duration
-    z[s.T] = sum(guesses["t"]) / 2 if "t" in guesses else sum(w.duration) / 2
+    z[s.T] = sum(w.guess["t"]) / 2 if "t" in w.guess else sum(w.duration) / 2
     return z, lower, upper
-
-
-def _now(s: Shooting, compilation: Any, name: str) -> float:
-    from pkgen.run import named
-    from pkgen.run.library import load
-
-    run = load(s.prepared.library).run(s.prepared.settings, idle=True)
-    return float(run.given()["parameters"][named.parameters(compilation)[name][0]])

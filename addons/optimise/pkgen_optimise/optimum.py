@@ -24,23 +24,18 @@ class Optimum:
     def __init__(self, model: Model, shooting: Shooting, z: NDArray[Any], solver: str, said: str):
         w = shooting.wanted
         self._model, self._shooting = model, shooting
-        self.aim = w.sign * float(shooting.evaluated(z)["aim"])  # type: ignore[index]
+        found = shooting.evaluated(z)
+        assert found
+        self.aim = w.sign * float(found["aim"])
         self.duration = float(z[shooting.T])
         self.t = numpy.linspace(0, self.duration, w.pieces + 1)
-        self.states = {
-            name: z[shooting.states[:, i]]
-            for i, name in enumerate(shooting.moving)
-            if name in self._own
-        }
+        states = numpy.vstack([found["start"], z[shooting.states[1:]]]).T
+        self.states = dict(zip(shooting.moving, states, strict=True))
         self.inputs = {name: z[shooting.u[:, j]] for j, name in enumerate(shooting.inputs)}
         values = zip(shooting.parameters, z[shooting.p], strict=True)
         self.parameters = {name: float(x) for name, x in values}
         self.start = {name: float(x[0]) for name, x in self.states.items()}
         self.solver, self.said, self.runs = solver, said, shooting.runs
-
-    @property
-    def _own(self) -> set[str]:
-        return {*self._model.coordinates, *self._model.rates}
 
     def tables(self) -> dict[str, tuple[Any, ...]]:
         """Returns the inputs as Model.run() takes them."""

@@ -15,6 +15,7 @@ import numpy
 from pkgen.analysis.sensitivity.forward import Sensitivities
 from pkgen.analysis.sensitivity.tape import Tape
 from pkgen.api.prepare import Prepared
+from pkgen.record import record
 from pkgen.run import named
 from pkgen.run.library import load
 from pkgen.system.exits import NumericsFailed
@@ -24,15 +25,19 @@ from .wanted import INTEGRAL, Wanted
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-SLOPE = "{}_slope"  # the parameter that is the slope of a linear input
+# Parameters of a linear input, by its number: its value where a piece begins, and its slope.
+BEGIN, SLOPE = "begin_of_input_{}", "slope_of_input_{}"
+Slopes = tuple[Any, Any, Any]  # values, derivatives by what a piece begins with, by its duration
 
 
+@record
 class Piece:
-    """The end of a piece, and its derivatives by (states, inputs and their slopes, parameters,
-    duration)."""
+    """The states at the start and the end of a piece, and outputs at the end; each with its
+    derivatives by (states, inputs and their slopes, parameters), and by the duration."""
 
-    def __init__(self, state: NDArray[Any], by: NDArray[Any], outputs: dict[str, Any]):
-        self.state, self.by, self.outputs = state, by, outputs
+    start: Slopes
+    end: Slopes
+    outputs: dict[str, Slopes]
 
 
 class Shooting:
@@ -40,13 +45,12 @@ class Shooting:
     row for each piece, or each end of a piece if they are linear), of parameters, of the
     duration."""
 
-    def __init__(self, prepared: Prepared, wanted: Wanted, start: dict[str, float]):
+    def __init__(self, prepared: Prepared, wanted: Wanted):
         self.prepared, self.wanted = prepared, wanted
         of = prepared.compilation
         self.q, self.v = (named.coordinates(of, rates=r) for r in (False, True))
         self.moving = [x for x in (*self.q.names(), *self.v.names()) if x != INTEGRAL]
         self.inputs, self.parameters = [*wanted.inputs], [*wanted.parameters]
-        self.start = numpy.array([start[name] for name in self.moving])
         n, m, N = len(self.moving), len(self.inputs), wanted.pieces
         rows = N + 1 if wanted.linear else N
         places = iter(range(10**9))
@@ -72,20 +76,23 @@ class Shooting:
         for j, name in enumerate(self.inputs):
             if w.linear:
                 a, b = z[self.u[k, j]], z[self.u[k + 1, j]]
-                values[parameters[name + "_begin"][0]] = float(a)
-                values[parameters[SLOPE.format(name)][0]] = float((b - a) / h)
+                values[parameters[BEGIN.format(j)][0]] = float(a)
+                values[parameters[SLOPE.format(j)][0]] = float((b - a) / h)
             else:
                 held[inputs[name][0]] = float(z[self.u[k, j]])
-        state, nq = z[self.states[k]], self.q.count
-        rates = [*state[nq:], *[0.0] * w.integral]  # the integral is the last state
+        starts = dict(prepared.settings.start_q), dict(prepared.settings.start_v)
+        for name, place in zip(self.moving, self.states[k], strict=True):
+            if k or name in w.starts:  # others have starts of the model, by its parameters
+                of_rate = name not in self.q
+                starts[of_rate][(self.q, self.v)[of_rate][name][0]] = float(z[place])
         settings = replace(
             prepared.settings,
             until=float(h),
             every=float(h),
             parameters=tuple(values.items()),
             inputs=tuple(held.items()),
-            start_q=tuple(enumerate(map(float, state[:nq]))),
-            start_v=tuple(enumerate(map(float, rates))),
+            start_q=tuple(starts[0].items()),
+            start_v=tuple(starts[1].items()),
         )
         return replace(prepared, settings=settings)
 
@@ -98,13 +105,12 @@ class Shooting:
             self.failed = done.messages.strip() or str(done.report.get("reason", ""))
             return None
         tape = Tape(run, done)
-        inner = [f"{x}_begin" for x in self.inputs] + [SLOPE.format(x) for x in self.inputs]
+        inner = [x.format(j) for x in (BEGIN, SLOPE) for j in range(len(self.inputs))]
         by = [*self.moving, *(inner if w.linear else self.inputs), *self.parameters]
         h = run.settings.until
         try:
             found = Sensitivities(tape, by, numpy.array([h]))
-            end = numpy.array([found.values(name)[0] for name in self.moving])
-            slopes = numpy.array([found.of(name)[0] for name in self.moving])
+            started = numpy.array([tape.started(name) for name in by])
             rates = tape.ending(len(tape.rows) - 1)
             names = {*w.end, *w.path, w.minimise, *w.periodic.values()} - {*self.moving, "t", ""}
             outputs = {x: self._output(tape, found, x, rates) for x in names}
@@ -114,9 +120,15 @@ class Shooting:
         except NumericsFailed as error:
             self.failed = str(error)
             return None
-        nq = self.q.count
-        rate = numpy.array([*rates[:nq], *rates[tape.n : len(rates) - w.integral]])
-        return Piece(end, numpy.column_stack([slopes, rate]), outputs)
+        n, nq = len(self.moving), self.q.count
+        places = [*range(nq), *range(tape.n, tape.n + n - nq)]
+        states, moved, _ = found.moved
+        start = numpy.concatenate(tape.state(0, 0)[1:3])
+        return Piece(
+            (start[places], started[:, places].T, numpy.zeros(n)),
+            (states[0][places], moved[0][:, places].T, rates[places]),
+            outputs,
+        )
 
     @staticmethod
     def _output(
@@ -170,10 +182,14 @@ class Shooting:
             piece = self.piece(z, k)
             if piece is None:
                 return None
-            by = self.spread(z, k, piece.by[:, :-1], piece.by[:, -1])
+            end, *slopes = piece.end
+            by = self.spread(z, k, *slopes)
             by[:, self.states[k + 1]] -= numpy.eye(len(self.moving))
-            equal.append(piece.state - z[self.states[k + 1]])
+            equal.append(end - z[self.states[k + 1]])
             equal_by.append(by)
+            if not k:
+                start, *slopes = piece.start
+                start_by = self.spread(z, 0, *slopes)
             for name, (value, row, of_h) in piece.outputs.items():
                 found = value, self.spread(z, k, row[None], numpy.array([of_h]))[0]
                 if name == INTEGRAL and k:
@@ -196,13 +212,13 @@ class Shooting:
             else:
                 self._limited(last[name], (low, high), above, above_by)
         for name, column in w.periodic.items():
-            place = self.states[0, self.moving.index(name)]
-            value, by = last[column]
-            equal.append(numpy.array([value - z[place]]))
-            equal_by.append((by - numpy.eye(self.size)[place])[None])
+            i, (value, by) = self.moving.index(name), last[column]
+            equal.append(numpy.array([value - start[i]]))
+            equal_by.append((by - start_by[i])[None])
         names = [w.minimise] * bool(w.minimise) + [INTEGRAL] * w.integral
         aim = sum(last[name][0] for name in names)
         return {
+            "start": start,
             "aim": w.sign * aim,
             "slope": w.sign * sum(last[name][1] for name in names),
             "equal": numpy.concatenate(equal),

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 SOLVERS = ("ipopt", "slsqp")
-CLOSE = 1e-6  # largest violation of a constraint at an optimum, relative to its scale
+CLOSE = 1e-7  # largest violation of a constraint at an optimum, relative to its scale
+Found = tuple["NDArray[Any]", str, bool]  # the unknowns, what the solver said, whether it is sure
 
 
 class Programme:
@@ -29,11 +30,17 @@ class Programme:
         self.z[fixed] = lower[fixed]
         self.scale = self._scale(lower, upper)[self.free]
         self.bounds = [numpy.clip(x[self.free] / self.scale, -1e20, 1e20) for x in (lower, upper)]
+        self.start = numpy.clip(self.z[self.free] / self.scale, *self.bounds)
+        self.sizes = dict.fromkeys(("equal", "above"), numpy.ones(1))
         first = self.at(self.start)
         if first is None:
             raise NumericsFailed(f"a motion from the first guess fails: {shooting.failed}")
         near = self.at(self.start + 0.1) or first  # the slope at the guess itself may be 0
         self.of_aim = max(float(abs(x["slope"]).max(initial=0)) for x in (first, near)) or 1.0
+        for k in self.sizes:  # a violation is a part of the scale of the unknowns
+            slopes = [abs(x[f"{k}_by"]).max(axis=1, initial=0) for x in (first, near)]
+            size = numpy.maximum(*slopes)
+            self.sizes[k] = numpy.where(size > 0, size, 1.0)
         self.counts = len(first["equal"]), len(first["above"])
 
     def _scale(self, lower: NDArray[Any], upper: NDArray[Any]) -> NDArray[Any]:
@@ -44,10 +51,6 @@ class Programme:
             for column in columns.T:
                 size[column] = size[column].max()
         return numpy.where(size > 0, size, 1.0)
-
-    @property
-    def start(self) -> NDArray[Any]:
-        return numpy.clip(self.z[self.free] / self.scale, *getattr(self, "bounds", (None, None)))
 
     def whole(self, x: NDArray[Any]) -> NDArray[Any]:
         z = self.z.copy()
@@ -60,6 +63,8 @@ class Programme:
         if found is None:
             return None
         by = {k: found[k][..., self.free] * self.scale for k in ("slope", "equal_by", "above_by")}
+        for k, size in self.sizes.items():
+            by |= {k: found[k] / size, f"{k}_by": by[f"{k}_by"] / size[:, None]}
         return found | by
 
     def violation(self, x: NDArray[Any]) -> float:
@@ -78,17 +83,22 @@ def solved(programme: Programme, solver: str, iterations: int) -> tuple[NDArray[
         if found is None and solver:
             raise UsageError("--solver ipopt needs cyipopt: pip install cyipopt")
     name = "slsqp" if found is None else "ipopt"
-    x, said = found or _slsqp(programme, iterations)
+    x, said, good = found or _slsqp(programme, iterations)
     off = programme.violation(x)
     if not off <= CLOSE:
         raise NumericsFailed(
             f"no motion was found that meets all that is wanted: it is off by {off:.2g} ({said}): "
-            "want less, give more --pieces, or start nearer"
+            "want less, give more --pieces or --iterations, or begin nearer by --guess"
+        )
+    if not good:
+        raise NumericsFailed(
+            f"the search ended before an optimum ({said}): give more --iterations, --input a "
+            "range, or begin nearer by --guess"
         )
     return programme.whole(x), name, said
 
 
-def _slsqp(programme: Programme, iterations: int) -> tuple[NDArray[Any], str]:
+def _slsqp(programme: Programme, iterations: int) -> Found:
     try:
         from scipy.optimize import minimize
     except ImportError:
@@ -120,12 +130,12 @@ def _slsqp(programme: Programme, iterations: int) -> tuple[NDArray[Any], str]:
         bounds=list(zip(*programme.bounds, strict=True)),
         constraints=constraints if equal else constraints[1:],
         method="SLSQP",
-        options={"maxiter": iterations, "ftol": CLOSE**2},
+        options={"maxiter": iterations, "ftol": 1e-11},
     )
-    return found.x, str(found.message)
+    return found.x, str(found.message), found.success
 
 
-def _ipopt(programme: Programme, iterations: int) -> tuple[NDArray[Any], str] | None:
+def _ipopt(programme: Programme, iterations: int) -> Found | None:
     try:
         import cyipopt
     except ImportError:
@@ -162,8 +172,15 @@ def _ipopt(programme: Programme, iterations: int) -> tuple[NDArray[Any], str] | 
         cl=numpy.zeros(equal + above),
         cu=numpy.concatenate([numpy.zeros(equal), numpy.full(above, 1e20)]),
     )
-    options = {"print_level": 0, "sb": "yes", "max_iter": iterations, "tol": 1e-9}
+    options = {
+        "print_level": 0,
+        "sb": "yes",
+        "max_iter": iterations,
+        "tol": 1e-9,
+        "bound_relax_factor": 0.0,
+    }
     for name, value in (options | {"hessian_approximation": "limited-memory"}).items():
         problem.add_option(name, value)
     x, info = problem.solve(programme.start)
-    return x, info["status_msg"].decode()
+    said = info["status_msg"].decode().partition(" (")[0].rstrip(".")
+    return x, said, info["status"] in (0, 1)  # within the tolerance, or an acceptable one

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
+from numbers import Integral
 from typing import Any
 
 from pkgen.compiler import Compilation
+from pkgen.graph.graph import BIT, Kind
 from pkgen.record import record
 from pkgen.run import named
 from pkgen.run.values import Values
@@ -31,6 +34,7 @@ class Wanted:
     path: dict[str, Range]
     periodic: dict[str, str]  # by the name of a start, the column that ends there
     duration: Range
+    guess: dict[str, Range]  # the first and the last value
     pieces: int
     linear: bool
 
@@ -46,11 +50,17 @@ def units(compilation: Compilation) -> dict[str, str]:
     return found | {x.quantity.name: x.quantity.unit for x in e.parameters}
 
 
+# How many ends of a range are needed.
+ENDS = {"--input": 0, "--free": 0, "--end": 1, "--path": 1, "--guess": 2}
+
+
 def ranges(
     compilation: Compilation, option: str, given: Mapping[str, Any], kinds: str
 ) -> dict[str, Range]:
     """Returns ranges by name. A range is a number, a text such as `-1 [N]:1 [N]`, a pair, or None:
-    free. Raises UsageError."""
+    no end. Raises UsageError."""
+    if not isinstance(given, Mapping):
+        raise UsageError(f"{option} {given}: give a dictionary by name")
     values, known = Values(compilation), units(compilation)
 
     def number(name: str, x: Any) -> float:
@@ -71,6 +81,8 @@ def ranges(
             low = -math.inf
         if not low <= high and option != "--guess":
             raise UsageError(f"{option} {name}: the first is to be below the second")
+        if math.isfinite(low) + math.isfinite(high) < ENDS[option]:
+            raise UsageError(f"{option} {name}: give a value or LOW:HIGH")
         found[name] = (low, high)
     return found
 
@@ -78,7 +90,7 @@ def ranges(
 def checked(wanted: Wanted, compilation: Compilation) -> Wanted:
     """Raises UsageError for names of another kind than is wanted."""
     q, v = (named.coordinates(compilation, rates=x) for x in (False, True))
-    moving = [*q.names(), *v.names()]
+    moving = [x for x in (*q.names(), *v.names()) if x != INTEGRAL]
     outputs = [x.name for x in compilation.equations.observed_names]
     inputs, parameters = named.inputs(compilation), named.parameters(compilation)
     kinds = [
@@ -89,6 +101,7 @@ def checked(wanted: Wanted, compilation: Compilation) -> Wanted:
         ("--periodic", wanted.periodic.values(), [*moving, *outputs], "column"),
         ("--end", wanted.end, [*moving, *outputs], "column"),
         ("--path", wanted.path, [*moving, *outputs], "column"),
+        ("--guess", wanted.guess, [*wanted.inputs, *wanted.parameters, *moving, "t"], "unknown"),
     ]
     for option, names, known, what in kinds:
         for name in names:
@@ -104,8 +117,47 @@ def checked(wanted: Wanted, compilation: Compilation) -> Wanted:
         raise UsageError("--until: give a duration above 0, or LOW:HIGH")
     if wanted.minimise == "t" and low == high:
         raise UsageError("--minimise t: the duration is fixed; give --until LOW:HIGH")
-    if not (wanted.inputs or wanted.parameters or wanted.starts or low < high):
+    free = [*wanted.inputs.values(), *wanted.parameters.values(), wanted.duration]
+    if not (wanted.starts or any(low < high for low, high in free)):
         raise UsageError("nothing is free: give --input, --free, --free-start or --until LOW:HIGH")
-    if not 1 <= wanted.pieces <= 1000:
-        raise UsageError(f"--pieces {wanted.pieces}: from 1 to 1000")
-    return wanted
+    _refuse(wanted, compilation)
+    return replace(wanted, parameters=_within(wanted.parameters, compilation))
+
+
+def whole(option: str, x: int, most: int) -> int:
+    if not isinstance(x, Integral) or not 1 <= x <= most:
+        raise UsageError(f"{option} {x}: a whole number from 1 to {most}")
+    return int(x)
+
+
+def _within(parameters: dict[str, Range], compilation: Compilation) -> dict[str, Range]:
+    """Returns the ranges within the bounds of the model that are numbers. Raises UsageError."""
+    e, found = compilation.equations, {}
+    for name, (low, high) in parameters.items():
+        slot = e.parameters[named.parameters(compilation)[name][0]]
+        lo, hi = (None if x is None else e.graph.value(x) for x in (slot.lo, slot.hi))
+        low, high = (
+            max(low, -math.inf if lo is None else lo),
+            min(high, math.inf if hi is None else hi),
+        )
+        if low > high:
+            raise UsageError(f"--free {name}: the model has other bounds of {name}")
+        found[name] = float(low), float(high)
+    return found
+
+
+def _refuse(wanted: Wanted, compilation: Compilation) -> None:
+    """Raises UsageError for models whose motion cannot be cut into pieces."""
+    e = compilation.equations
+    if e.constraints or e.noise:
+        raise UsageError("optimise: there is none for models with constraints, contacts or noise")
+    used = {*wanted.end, *wanted.path, *wanted.periodic.values(), wanted.minimise}
+    names = [x.name for x in e.observed_names]
+    nodes = [*e.force, *e.state_rates, *(x for row in (*e.mass, *e.resets) for x in row)]
+    nodes += [*e.events, *(x.node for x in e.switches)]
+    nodes += [node for name, node in zip(names, e.observed, strict=True) if name in used]
+    if any(e.graph.depends[node] & BIT[Kind.TIME] for node in nodes):
+        raise UsageError(
+            "the model depends on time, and pieces of the motion all begin at t = 0: write a clock "
+            "into the model in place of t: 'state clock', 'rate clock = 1'"
+        )
