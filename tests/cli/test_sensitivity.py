@@ -170,6 +170,15 @@ def test_a_default_that_follows_another(tmp_path: Path) -> None:
     assert model.gradient("x", "a", until=1.0, method="gauss")["a"] == pytest.approx(-c / 4)
 
 
+def test_a_start_on_a_constraint(tmp_path: Path) -> None:
+    """The length of a rod at rest, first in a piece of the run, displaces constraint and start."""
+    text = "model rod\nparam l = 2\ncoord x, y\nkinetic (x'^2 + y'^2)/2\nconstraint c: "
+    model = package.load(written(tmp_path, text + "x^2 + y^2 = l^2\nstart x = l\n"))
+    how = {"until": 1.0, "every": 0.5, "method": "rk4", "step": 0.01}
+    assert model.gradient("x", "l", **how)["l"] == pytest.approx(1)
+    assert model.run(**how, sensitivity="l").sensitivity["x", "l"] == pytest.approx([1, 1, 1])
+
+
 def test_no_derivative(tmp_path: Path) -> None:
     text = "model m\nparam p = 1\ncoord x\nkinetic x'^2/2\npotential -p*x\nstart x = -1\n"
     model = package.load(written(tmp_path, f"{text}event top: x > 9 then x' = -x'\n"))
@@ -177,10 +186,32 @@ def test_no_derivative(tmp_path: Path) -> None:
         model.gradient("x", ["q"], until=1.0)
     with pytest.raises(package.UsageError, match="of z: it has"):
         model.gradient("z", ["p"], until=1.0)
-    with pytest.raises(package.UsageError, match="inputs and controllers in Python"):
+    with pytest.raises(package.UsageError, match="inputs: u: run.. alone takes functions"):
         model.gradient("x", ["p"], until=1.0, inputs={"u": lambda t, q, v: 0.0})
+    with pytest.raises(package.UsageError, match="inputs and controllers in Python"):
+        model.run(1.0, controllers={"c": lambda t, q, v, u: {}}, sensitivity="p")
+    with pytest.raises(package.UsageError, match="by=3: give a name"):
+        model.gradient("x", 3, until=1.0)
+    assert model.gradient("x", [], until=1.0) == {}
     with pytest.raises(package.UsageError, match="rows at events"):
         model.gradient("x", ["p"], until=1.0, at="top")
+
+
+@pytest.mark.parametrize("method", ["exponential", "boris", "gsl_rkf45"])
+def test_steps_by_a_jacobian(method: str, tmp_path: Path) -> None:
+    """Steps of exponential and boris depend on the Jacobian itself, those of GSL on no table."""
+    text = "model osc\nparam k = 1.3\nparam c = 0.3\nparam e = 0.8\ncoord x\nkinetic x'^2/2\n"
+    text += "potential k*x^2/2\nstart x = 1\nobserve a = x\nobserve b = x'*k\n"
+    text += "force x = -c*x'\nevent low: x < 0.2 then x' = -e*x'\n"
+    model = package.load(written(tmp_path, text))
+    how = {"rtol": 1e-12} if method == "gsl_rkf45" else {"step": 0.05}
+    compared(model, ["k", "c", "e", "x"], method=method, **how)
+
+
+def test_multistep_methods_are_refused(tmp_path: Path) -> None:
+    model = package.load(written(tmp_path, GRAZING.format(2)))
+    with pytest.raises(package.UsageError, match="gsl_msadams has no derivatives"):
+        model.gradient("x", "p", until=0.1, method="gsl_msadams")
 
 
 GRAZING = """
