@@ -186,7 +186,7 @@ def test_no_derivative(tmp_path: Path) -> None:
         model.gradient("x", ["q"], until=1.0)
     with pytest.raises(package.UsageError, match="of z: it has"):
         model.gradient("z", ["p"], until=1.0)
-    with pytest.raises(package.UsageError, match="inputs: u: run.. alone takes functions"):
+    with pytest.raises(package.UsageError, match=r"inputs: u: run\(\) alone takes functions"):
         model.gradient("x", ["p"], until=1.0, inputs={"u": lambda t, q, v: 0.0})
     with pytest.raises(package.UsageError, match="inputs and controllers in Python"):
         model.run(1.0, controllers={"c": lambda t, q, v, u: {}}, sensitivity="p")

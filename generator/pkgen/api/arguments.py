@@ -78,11 +78,12 @@ ALLOWED: dict[str, tuple[Check, str]] = {
     "composition": (_some(_is_value), "a text of weights, or a list of numbers"),
     **dict.fromkeys(NUMBERS, (_is_value, _VALUE)),
     **dict.fromkeys(("hold", "linear"), (_is_number, "a number, in the model's unit of time")),
-    **dict.fromkeys(("scene", "method", "at"), (_is_text, "a text")),
+    **dict.fromkeys(("scene", "method", "at", "of"), (_is_text, "a text")),
     **dict.fromkeys(
-        ("record", "diagnose", "sensitivity", "of", "by"), (_some(_is_text), "a name, or a list of names")
+        ("record", "diagnose", "sensitivity", "by", "free", "free_start"),
+        (_some(_is_text), "a name, or a list of names"),
     ),
-    **dict.fromkeys(("max_steps", "threads", "seed"), (_is_whole, "a whole number")),
+    **dict.fromkeys(("max_steps", "threads", "seed", "tries"), (_is_whole, "a whole number")),
 }
 REQUIRED = ("path", "iteration", "max_steps")  # arguments that must not be None
 

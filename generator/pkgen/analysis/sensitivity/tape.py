@@ -31,7 +31,7 @@ from ...system.near import near
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-MULTISTEP = ("gsl_msadams", "gsl_msbdf")
+MULTISTEP = ("gsl_msadams", "gsl_msbdf")  # a single step of these cannot be repeated
 GRAZES = 1e-6  # a crossing at a rate below this, relative to the motion, grazes
 
 
