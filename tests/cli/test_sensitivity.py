@@ -166,6 +166,8 @@ def test_a_default_that_follows_another(tmp_path: Path) -> None:
     c, s = math.cos(2), math.sin(2)  # x = cos(a t)/a at a = 2
     assert found["a"] == pytest.approx(-c / 4 - s / 2, abs=1e-10)
     assert found["k"] == pytest.approx(-s / 8, abs=1e-10)
+    given = model.gradient("x", "a", until=1.0, start={"x": 0.5}, method="gauss", rtol=1e-12)
+    assert given["a"] == pytest.approx(-s / 2, abs=1e-10)  # x = cos(a t)/2
     model.params["k"] = 4.0  # then it follows no longer
     assert model.gradient("x", "a", until=1.0, method="gauss")["a"] == pytest.approx(-c / 4)
 

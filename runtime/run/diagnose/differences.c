@@ -12,6 +12,19 @@
 /* largest change of a time, in units of the step */
 #define PART_OF_STEP PK_C(1e-2)
 
+struct pk_options differences_options(const struct pk_run *run, pk_real h)
+{
+    struct pk_options options = run->settings.options;
+    options.h = h;
+    options.max_steps = 0;
+    if (!pk_is_fixed(run->settings.method)) {
+        options.h_max = h;
+        options.rtol = options.atol = PK_C(1e10); /* no error is too large */
+        options.newton_tol = 8 * PK_EPSILON;
+    }
+    return options;
+}
+
 void differences_make(struct differences *d, struct pk_run *run)
 {
     const struct settings *s = &run->settings;
@@ -96,7 +109,7 @@ static enum pk_status step(struct differences *d, size_t row, pk_real t0, pk_rea
 {
     struct pk_integrator *it = &d->it;
     const int goes = t > t0 || t < t0;
-    const struct pk_options options = tape_options(d->run, goes ? pk_abs(t - t0) : 1);
+    const struct pk_options options = differences_options(d->run, goes ? pk_abs(t - t0) : 1);
     if (!it->own)
         PK_TRY(pk_integrator_init(it, &d->problem, d->run->settings.method, &options, t0, d->q,
                                   d->v, d->block, d->size));

@@ -87,7 +87,7 @@ static enum pk_status varied(struct tangent *x, const pk_real *row, pk_real t)
     struct motion *m = &x->w.motion;
     place(x, row);
     m->t = row[TAPE_T0];
-    m->options = tape_options(x->run, t - m->t);
+    m->options = differences_options(x->run, t - m->t);
     PK_TRY(motion_begin(m));
     PK_TRY(pk_integrator_to(&m->it, t));
     if (m->it.count.steps != 1)

@@ -80,19 +80,6 @@ static void step(struct pk_run *run, const struct moment *at)
 
 const struct observer tape_observer = {.begin = begin, .event = event, .step = step};
 
-struct pk_options tape_options(const struct pk_run *run, pk_real h)
-{
-    struct pk_options options = run->settings.options;
-    options.h = h;
-    options.max_steps = 0;
-    if (!pk_is_fixed(run->settings.method)) {
-        options.h_max = h;
-        options.rtol = options.atol = PK_C(1e10); /* no error is too large */
-        options.newton_tol = 8 * PK_EPSILON;
-    }
-    return options;
-}
-
 int tape_is_cut(const struct pk_run *run, const pk_real *row, pk_real t)
 {
     const pk_real h = run->settings.options.h, took = t - row[TAPE_T0];

@@ -33,9 +33,6 @@ static inline const pk_real *tape_row(const struct tape *tape, size_t k)
     return tape->rows + k * tape->width;
 }
 
-/* Sets the options of one step of length h, whatever its error, of the run's method. */
-struct pk_options tape_options(const struct pk_run *run, pk_real h);
-
 /* Returns whether the end of a step to t is at a given time. The other steps have a given length,
  * so that they shift with the start. */
 int tape_is_cut(const struct pk_run *run, const pk_real *row, pk_real t);
@@ -48,6 +45,8 @@ struct shift {
 };
 
 void differences_make(struct differences *d, struct pk_run *run);
+/* Returns the options of one step of length h, whatever its error, of the run's method. */
+struct pk_options differences_options(const struct pk_run *run, pk_real h);
 /* Sets d->params, d->u, and (d->q, d->v) to those of a row: its equations and its start. */
 void differences_place(struct differences *d, const pk_real *row);
 /* Writes the derivative of the end of step `row`, which is at t, along a displacement: n numbers of
