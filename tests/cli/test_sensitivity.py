@@ -148,7 +148,7 @@ def test_a_ball_that_bounces(tmp_path: Path) -> None:
 def test_the_range_of_a_throw(tmp_path: Path) -> None:
     """An event ends the run: x = 2 v w/g at t = 2 w/g."""
     text = "model thrown\nparam g = 9.81\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential g*y\n"
-    text += "start x' = 3\nstart y' = 5\nevent ground: y < 0 stop\n"
+    text += "start x' = 3\nstart y' = 5\nevent ground: y < 0 stop\nobserve late = x*t\n"
     model = package.load(written(tmp_path, text))
     by, how = ["g", "x'", "y'"], {"until": 5.0, "method": "rk4", "step": 0.01}
     of_x, of_t = (model.gradient(of, by, **how) for of in ("x", "t"))
@@ -156,6 +156,9 @@ def test_the_range_of_a_throw(tmp_path: Path) -> None:
     assert [*of_t.values()] == pytest.approx([-10 / 9.81**2, 0, 2 / 9.81], rel=1e-9)
     run = model.run(**how, sensitivity="g")
     assert run.sensitivity["x", "g"][-1] == pytest.approx(of_x["g"], rel=1e-12)
+    late = -8 * 3 * 25 / 9.81**3  # x t = 4 v w^2/g^2
+    assert run.sensitivity["late", "g"][-1] == pytest.approx(late, rel=1e-9)
+    assert model.gradient("late", "g", **how)["g"] == pytest.approx(late, rel=1e-9)
 
 
 def test_a_default_that_follows_another(tmp_path: Path) -> None:
@@ -208,6 +211,27 @@ def test_steps_by_a_jacobian(method: str, tmp_path: Path) -> None:
     model = package.load(written(tmp_path, text))
     how = {"rtol": 1e-12} if method == "gsl_rkf45" else {"step": 0.05}
     compared(model, ["k", "c", "e", "x"], method=method, **how)
+
+
+NOISY = """
+model bath
+param c = 0.3
+param k = 2
+coord x
+kinetic x'^2/2
+potential k*x^2/2 + x^4/4
+force x = -c*x'
+noise x = 0.2*c
+start x = 1
+observe a = x
+observe b = x'*k
+"""
+
+
+@pytest.mark.parametrize("method", ["heun", "baoab"])
+def test_noise_is_the_same(method: str, tmp_path: Path) -> None:
+    model = package.load(written(tmp_path, NOISY))
+    compared(model, ["c", "k"], **options(method), seed=3)
 
 
 def test_multistep_methods_are_refused(tmp_path: Path) -> None:
