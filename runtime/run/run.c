@@ -143,6 +143,8 @@ enum pk_run_code pk_run_go(struct pk_run *run)
         return run->code;
     memory_end(&run->memory);
     run->kept = run->kept_low = run->members = NULL;
+    run->tape = NULL;
+    run->diagnostics = NULL;
     run->n_kept = 0;
     run->report = strdup("{}");
     run->told = run->told ? run->told : strdup("{}"); /* the settings were in this memory */

@@ -148,7 +148,7 @@ def test_a_ball_that_bounces(tmp_path: Path) -> None:
 def test_the_range_of_a_throw(tmp_path: Path) -> None:
     """An event ends the run: x = 2 v w/g at t = 2 w/g."""
     text = "model thrown\nparam g = 9.81\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential g*y\n"
-    text += "start x' = 3\nstart y' = 5\nevent ground: y < 0 stop\n"
+    text += "start x' = 3\nstart y' = 5\nevent ground: y < 0 stop\nobserve late = x*t\n"
     model = package.load(written(tmp_path, text))
     by, how = ["g", "x'", "y'"], {"until": 5.0, "method": "rk4", "step": 0.01}
     of_x, of_t = (model.gradient(of, by, **how) for of in ("x", "t"))
@@ -156,6 +156,9 @@ def test_the_range_of_a_throw(tmp_path: Path) -> None:
     assert [*of_t.values()] == pytest.approx([-10 / 9.81**2, 0, 2 / 9.81], rel=1e-9)
     run = model.run(**how, sensitivity="g")
     assert run.sensitivity["x", "g"][-1] == pytest.approx(of_x["g"], rel=1e-12)
+    late = -8 * 3 * 25 / 9.81**3  # x t = 4 v w^2/g^2
+    assert run.sensitivity["late", "g"][-1] == pytest.approx(late, rel=1e-9)
+    assert model.gradient("late", "g", **how)["g"] == pytest.approx(late, rel=1e-9)
 
 
 def test_a_default_that_follows_another(tmp_path: Path) -> None:
@@ -166,8 +169,19 @@ def test_a_default_that_follows_another(tmp_path: Path) -> None:
     c, s = math.cos(2), math.sin(2)  # x = cos(a t)/a at a = 2
     assert found["a"] == pytest.approx(-c / 4 - s / 2, abs=1e-10)
     assert found["k"] == pytest.approx(-s / 8, abs=1e-10)
+    given = model.gradient("x", "a", until=1.0, start={"x": 0.5}, method="gauss", rtol=1e-12)
+    assert given["a"] == pytest.approx(-s / 2, abs=1e-10)  # x = cos(a t)/2
     model.params["k"] = 4.0  # then it follows no longer
     assert model.gradient("x", "a", until=1.0, method="gauss")["a"] == pytest.approx(-c / 4)
+
+
+def test_a_start_on_a_constraint(tmp_path: Path) -> None:
+    """The length of a rod at rest, first in a piece of the run, displaces constraint and start."""
+    text = "model rod\nparam l = 2\ncoord x, y\nkinetic (x'^2 + y'^2)/2\nconstraint c: "
+    model = package.load(written(tmp_path, text + "x^2 + y^2 = l^2\nstart x = l\n"))
+    how = {"until": 1.0, "every": 0.5, "method": "rk4", "step": 0.01}
+    assert model.gradient("x", "l", **how)["l"] == pytest.approx(1)
+    assert model.run(**how, sensitivity="l").sensitivity["x", "l"] == pytest.approx([1, 1, 1])
 
 
 def test_no_derivative(tmp_path: Path) -> None:
@@ -177,10 +191,53 @@ def test_no_derivative(tmp_path: Path) -> None:
         model.gradient("x", ["q"], until=1.0)
     with pytest.raises(package.UsageError, match="of z: it has"):
         model.gradient("z", ["p"], until=1.0)
-    with pytest.raises(package.UsageError, match="inputs and controllers in Python"):
+    with pytest.raises(package.UsageError, match=r"inputs: u: run\(\) alone takes functions"):
         model.gradient("x", ["p"], until=1.0, inputs={"u": lambda t, q, v: 0.0})
+    with pytest.raises(package.UsageError, match="inputs and controllers in Python"):
+        model.run(1.0, controllers={"c": lambda t, q, v, u: {}}, sensitivity="p")
+    with pytest.raises(package.UsageError, match="by=3: give a name"):
+        model.gradient("x", 3, until=1.0)
+    assert model.gradient("x", [], until=1.0) == {}
     with pytest.raises(package.UsageError, match="rows at events"):
         model.gradient("x", ["p"], until=1.0, at="top")
+
+
+@pytest.mark.parametrize("method", ["exponential", "boris", "gsl_rkf45"])
+def test_steps_by_a_jacobian(method: str, tmp_path: Path) -> None:
+    """Steps of exponential and boris depend on the Jacobian itself, those of GSL on no table."""
+    text = "model osc\nparam k = 1.3\nparam c = 0.3\nparam e = 0.8\ncoord x\nkinetic x'^2/2\n"
+    text += "potential k*x^2/2\nstart x = 1\nobserve a = x\nobserve b = x'*k\n"
+    text += "force x = -c*x'\nevent low: x < 0.2 then x' = -e*x'\n"
+    model = package.load(written(tmp_path, text))
+    how = {"rtol": 1e-12} if method == "gsl_rkf45" else {"step": 0.05}
+    compared(model, ["k", "c", "e", "x"], method=method, **how)
+
+
+NOISY = """
+model bath
+param c = 0.3
+param k = 2
+coord x
+kinetic x'^2/2
+potential k*x^2/2 + x^4/4
+force x = -c*x'
+noise x = 0.2*c
+start x = 1
+observe a = x
+observe b = x'*k
+"""
+
+
+@pytest.mark.parametrize("method", ["heun", "baoab"])
+def test_noise_is_the_same(method: str, tmp_path: Path) -> None:
+    model = package.load(written(tmp_path, NOISY))
+    compared(model, ["c", "k"], **options(method), seed=3)
+
+
+def test_multistep_methods_are_refused(tmp_path: Path) -> None:
+    model = package.load(written(tmp_path, GRAZING.format(2)))
+    with pytest.raises(package.UsageError, match="gsl_msadams has no derivatives"):
+        model.gradient("x", "p", until=0.1, method="gsl_msadams")
 
 
 GRAZING = """

@@ -52,11 +52,27 @@ def fit(
 
     Raises UsageError, RunError."""
     with in_words():
-        wanted = {"bounds": bounds, "priors": priors, "sigma": sigma}
-        known = {k: dict(x or {}) for k, x in wanted.items()}
+        arguments.checked(free=free, free_start=free_start, tries=tries)
+        pairs = {"bounds": bounds, "priors": priors}
+        known = {k: _numbers(k, x, (2,)) for k, x in pairs.items()}
+        known["sigma"] = _numbers("sigma", sigma, ())
         several = data if isinstance(data, list | tuple) else [data]
         names = arguments.several(free), arguments.several(free_start)
         return fitted(model, several, *names, known, huber, tries, more)
+
+
+def _numbers(option: str, given: Any, shape: tuple[int, ...]) -> dict[str, Any]:
+    """Returns the numbers of an argument by name. Raises UsageError."""
+    if not isinstance(given or {}, Mapping):
+        raise UsageError(f"{option}={arguments.brief(given)}: give a dictionary by name")
+    found = {}
+    for name, x in (given or {}).items():
+        (values,) = arguments.arrays(**{f"{option} of {name}": x})
+        if values.shape != shape:
+            count = "two numbers" if shape else "one number"
+            raise UsageError(f"{option} of {name}={arguments.brief(x)}: give {count}")
+        found[name] = values.tolist()
+    return found
 
 
 def fitted(

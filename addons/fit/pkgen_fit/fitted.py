@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 UNSEEN = 1e-6  # relative singular value of a direction that the data do not see
-AT_BOUND = 1e-9  # relative distance from a bound
+AT_BOUND = 1e-3  # distance from a bound, in standard deviations
 WITHOUT = 1e-9  # relative size of a column of the Jacobian of an unknown without influence
 
 
@@ -55,8 +55,8 @@ class Fitted:
         self.chi2 = None if estimated else float(residual @ residual)
         self.at_bounds = [
             name
-            for name, v, u in zip(names, x, problem.unknowns, strict=True)
-            if min(abs(v - u.lower), abs(v - u.upper)) <= AT_BOUND * abs(v)
+            for name, v, s, u in zip(names, x, sigma, problem.unknowns, strict=True)
+            if min(abs(v - u.lower), abs(v - u.upper)) <= AT_BOUND * s
         ]
 
     @property

@@ -33,7 +33,7 @@ def starts(unknowns: list[Unknown], tries: int) -> Iterator[NDArray[Any]]:
     x0 = numpy.array([u.value for u in unknowns])
     lower, upper = (numpy.array([getattr(u, end) for u in unknowns]) for end in ("lower", "upper"))
     yield numpy.clip(x0, lower, upper)
-    for part in qmc.Halton(len(x0), seed=1).random(tries) if tries else ():
+    for part in qmc.Halton(len(x0), seed=1).random(max(tries, 0)):
         x = x0 * WIDE ** (2 * part - 1)
         x = numpy.where(x0 == 0, 2 * part - 1, x)
         inside = numpy.isfinite(lower) & numpy.isfinite(upper)

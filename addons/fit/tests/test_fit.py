@@ -197,6 +197,33 @@ def test_priors_and_bounds(tmp_path: Path) -> None:
     assert held.parameters["l"].value == pytest.approx(0.38) and held.at_bounds == ["l"]
 
 
+def test_a_bound_of_0(tmp_path: Path) -> None:
+    """The motion grows, but its damping is not to be below 0."""
+    model = pkgen.load(written(tmp_path, PENDULUM))
+    model.params["c"] = -0.02
+    run = model.run(4, every=0.1)
+    del model.params["c"]
+    data = {"t": run.t, "theta": run["theta"]}
+    assert model.fit(data, "c", bounds={"c": (0, 1)}, tries=0).at_bounds == ["c"]
+
+
+def test_wrong_arguments(tmp_path: Path) -> None:
+    model = pkgen.load(written(tmp_path, CART))
+    data = {"t": [0, 1.0], "x": [0.3, 0.2]}
+    wrong = [
+        ({"priors": {"k": 3}}, "priors of k=3: give two numbers"),
+        ({"bounds": {"k": "a"}}, "bounds of k=.a.: give an array of numbers"),
+        ({"sigma": 3}, "sigma=3: give a dictionary"),
+        ({"free": 3}, "free=3: give a name"),
+        ({"tries": "x"}, "tries=.x.: give a whole number"),
+        ({"inputs": {"F": lambda t, q, v: 0.0}}, "inputs: F: run.. alone"),
+        ({"method": "gsl_msbdf"}, "gsl_msbdf has no derivatives"),
+    ]
+    for more, said in wrong:
+        with pytest.raises(pkgen.UsageError, match=said):
+            model.fit(data, **{"free": "k", "tries": 0, **more})
+
+
 def test_what_the_data_do_not_tell(tmp_path: Path) -> None:
     path = swing(tmp_path)
     model = pkgen.load(tmp_path / "pend.lag")

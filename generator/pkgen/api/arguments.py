@@ -78,11 +78,12 @@ ALLOWED: dict[str, tuple[Check, str]] = {
     "composition": (_some(_is_value), "a text of weights, or a list of numbers"),
     **dict.fromkeys(NUMBERS, (_is_value, _VALUE)),
     **dict.fromkeys(("hold", "linear"), (_is_number, "a number, in the model's unit of time")),
-    **dict.fromkeys(("scene", "method", "at"), (_is_text, "a text")),
+    **dict.fromkeys(("scene", "method", "at", "of"), (_is_text, "a text")),
     **dict.fromkeys(
-        ("record", "diagnose", "sensitivity"), (_some(_is_text), "a name, or a list of names")
+        ("record", "diagnose", "sensitivity", "by", "free", "free_start"),
+        (_some(_is_text), "a name, or a list of names"),
     ),
-    **dict.fromkeys(("max_steps", "threads", "seed"), (_is_whole, "a whole number")),
+    **dict.fromkeys(("max_steps", "threads", "seed", "tries"), (_is_whole, "a whole number")),
 }
 REQUIRED = ("path", "iteration", "max_steps")  # arguments that must not be None
 
@@ -131,9 +132,11 @@ def options(model: Any, given: dict[str, Any]) -> argparse.Namespace:
     start, inputs = given.pop("start", None), given.pop("inputs", None)
     unknown = given.keys() - DEFAULTS.keys()
     if unknown:
-        raise TypeError(f"run() has no argument {sorted(unknown)[0]!r}")
+        raise TypeError(f"there is no argument {sorted(unknown)[0]!r} here")
     checked(start=start, inputs=inputs, **given)
-    constants = {k: x for k, x in (inputs or {}).items() if _is_value(x)}
+    constants = inputs or {}
+    for name in filter(lambda k: is_computed(constants[k]), constants):
+        raise UsageError(f"inputs: {name}: run() alone takes functions and arrays of an input")
     texts = {k: text(given[k]) for k in NUMBERS if given.get(k) is not None}
     made = argparse.Namespace(**{**DEFAULTS, **given, **texts})
     made.model, made.scene = model.path, model.scene

@@ -221,8 +221,10 @@ class Model(Kernels):
         """
         given = {k: x for k, x in locals().items() if k not in ("self", "hold", "linear")}
         del given["controllers"], given["sensitivity"]
-        arguments.checked(inputs=inputs, hold=hold, linear=linear, controllers=controllers)
+        known = {"hold": hold, "linear": linear, "sensitivity": sensitivity}
+        arguments.checked(inputs=inputs, controllers=controllers, **known)
         functions = {k: x for k, x in (inputs or {}).items() if arguments.is_computed(x)}
+        given["inputs"] = {k: x for k, x in (inputs or {}).items() if k not in functions}
         computed: Computed | Controllers | None = Controllers(controllers) if controllers else None
         if functions or hold or linear:
             computed = laws = Computed(functions, hold, linear)
@@ -240,17 +242,16 @@ class Model(Kernels):
 
     def gradient(self, of: str, by: Names, **more: Any) -> dict[str, float]:
         """Returns the derivative of the last value of a column by parameters, inputs, and starts of
-        coordinates and rates, by name; "t" is a column if an event ends the run. `more` are
-        arguments of `run`. The derivative is that of the very steps. Raises as `run`."""
+        coordinates and rates, by name; "t" is a column too, for an event that ends the run. `more`
+        are arguments of `run`, without inputs and controllers in Python. The derivative is that of
+        the very steps. Raises as `run`."""
         from ..analysis.sensitivity.gradient import gradient
 
-        functions = [x for x in (more.get("inputs") or {}).values() if arguments.is_computed(x)]
-        if functions or {"controllers", "hold", "linear"} & more.keys():
-            raise UsageError("gradient: inputs and controllers in Python have no derivatives")
+        arguments.checked(of=of, by=by)
         names = arguments.several(by)
         result = self._run(arguments.options(self, more), by=names)
         with in_words(), _of(result):
-            return gradient(result.sensitivity.tape, of, names, result.t[-1])
+            return gradient(result.sensitivity.tape, of, names, result.t[-1]) if names else {}
 
     def ensemble(
         self, table: Any, until: Value | None = None, *, threads: int | None = None, **more: Any

@@ -231,11 +231,12 @@ double pk_run_laps(struct pk_run *run, double seconds);
 size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const double *t,
                        const double *q, const double *v, const double *u, double *out);
 size_t pk_run_width(const struct pk_run *run, const char *what); /* 0: unknown kernel name */
-/* The steps of a run with the setting `tape`, after pk_run_go(), as rows of *width numbers: t at the
- * start and at the end; 0, or 1 + the number of the event or switch (after the events) at which the
- * motion jumps or changes its equations at the end, or -1 if there are several; q and v at the
- * start, then q and v at the end, before a jump (n each); the inputs. */
-size_t pk_run_tape(const struct pk_run *run, const double **rows, size_t *width);
+/* Returns the number of steps of a run with the setting `tape`, after pk_run_go(). Unless `rows` is
+ * NULL, writes a row for each: t at its start and its end; a mark; q and v at the start, then at the
+ * end, before a jump (n numbers each); the inputs. The mark is 0, or 1 + the number of the event or
+ * switch (after the events) at which the motion jumps or changes its equations at the end, or -1 if
+ * there are several. */
+size_t pk_run_tape(const struct pk_run *run, double *rows);
 /* Writes q' and v', n numbers each, at the start (end = 0) or the end (1) of a row of the tape, with
  * the equations of its step. end = 2: writes the derivative of the state at the end by the time of
  * this end, which differs by the error of a step. Returns a status. */

@@ -18,13 +18,10 @@ struct adjoint {
     struct pk_run *run;
     const struct pk_system *system;
     const struct pk_jacobian *kernel;
-    struct differences d;
-    size_t n, n_q, m; /* m: inputs and parameters */
-    void *params;
-    const pk_real *u;
-    pk_real *lambda; /* q, v, inputs and parameters */
+    struct differences *d; /* the params and the inputs of the step */
+    size_t n, n_q, m;      /* m: inputs and parameters */
+    pk_real *lambda;       /* q, v, inputs and parameters */
     pk_real *q, *k, *l, *moving, *M, *bars;
-    double *times; /* derivative of a step by its times */
     enum pk_status status;
     size_t begin, end;
     double *out;
@@ -33,26 +30,21 @@ struct adjoint {
 
 static void make(struct adjoint *x)
 {
-    struct pk_run *run = x->run;
-    const struct settings *s = &run->settings;
-    const size_t n = s->n, stages = MOST + 2;
-    x->system = s->system;
-    x->n = n;
-    x->n_q = settings_coordinates(s);
-    x->m = s->system->n_inputs + s->system->n_parameters;
-    x->kernel = run_jacobian(s->system, "adjoint");
-    x->params = memory_take(&run->memory, s->system->params_size, 1);
-    const size_t of_stages = 3 * stages * 2 * n;
-    x->q =
-        memory_take(&run->memory, of_stages + 2 * n + n * n + 2 * (2 * n + 1 + x->m), sizeof *x->q);
-    x->k = x->q + stages * 2 * n;
-    x->l = x->k + stages * 2 * n;
-    x->moving = x->l + stages * 2 * n;
+    struct memory *memory = &x->run->memory;
+    x->d = &x->run->tape->differences;
+    x->system = x->d->problem.system;
+    x->n = x->d->n;
+    x->n_q = x->d->n_q;
+    x->m = x->system->n_inputs + x->system->n_parameters;
+    x->kernel = run_jacobian(x->system, "adjoint");
+    const size_t n = x->n, of_stages = (MOST + 2) * 2 * n, wide = 2 * n + 1 + x->m;
+    x->q = memory_take(memory, 3 * of_stages + 2 * n + n * n + 2 * wide, sizeof *x->q);
+    x->k = x->q + of_stages;
+    x->l = x->k + of_stages;
+    x->moving = x->l + of_stages;
     x->M = x->moving + 2 * n;
     x->bars = x->M + n * n;
-    x->lambda = x->bars + 2 * n + 1 + x->m;
-    x->times = memory_take(&run->memory, 2 * n, sizeof *x->times);
-    differences_make(&x->d, run);
+    x->lambda = x->bars + wide;
 }
 
 /* Writes F = (q', v') of y = (q, v). */
@@ -60,7 +52,7 @@ static int rates(struct adjoint *x, pk_real t, const pk_real *y, pk_real *F)
 {
     pk_zero(F, x->n);
     pk_copy(F, y + x->n, x->n_q);
-    return x->system->acceleration(x->params, t, y, y + x->n, x->u, F + x->n);
+    return x->system->acceleration(x->d->params, t, y, y + x->n, x->d->u, F + x->n);
 }
 
 /* Writes F'^T l to `out` where a is the acceleration at y, and adds the derivatives of F.l by inputs
@@ -71,11 +63,11 @@ static void pull(struct adjoint *x, pk_real t, const pk_real *y, const pk_real *
     const size_t n = x->n;
     pk_copy(x->moving, a, n);
     pk_copy(x->moving + n, l + n, n);
-    x->system->mass(x->params, t, y, y + n, x->u, x->M);
+    x->system->mass(x->d->params, t, y, y + n, x->d->u, x->M);
     if (pk_ldl_factor(x->M, n))
         x->status = PK_SINGULAR_MASS;
     pk_ldl_solve(x->M, n, x->moving + n);
-    x->kernel->moving(x->params, t, y, y + n, x->u, x->moving, x->bars);
+    x->kernel->moving(x->d->params, t, y, y + n, x->d->u, x->moving, x->bars);
     pk_copy(out, x->bars, 2 * n);
     pk_add(out + n, 1, l, x->n_q);
     pk_add(x->lambda + 2 * n, 1, x->bars + 2 * n + 1, x->m);
@@ -88,7 +80,7 @@ static void runge_kutta(struct adjoint *x, const struct pk_tableau *table, const
     const pk_real t = row[TAPE_T0], h = row[TAPE_T1] - t, *a = table->a;
     for (int i = 0; i < s; a += i++) {
         pk_real *const Y = x->q + (size_t)i * n2;
-        pk_copy(Y, row + TAPE_STATE, n2);
+        pk_copy(Y, x->d->q, n2);
         for (int j = 0; j < i; j++)
             pk_add(Y, h * a[j], x->k + (size_t)j * n2, n2);
         if (rates(x, t + table->c[i] * h, Y, x->k + (size_t)i * n2))
@@ -113,7 +105,7 @@ static void splitting(struct adjoint *x, const struct pk_splitting *table, const
     const size_t n = x->n, n2 = 2 * n;
     const pk_real h = row[TAPE_T1] - row[TAPE_T0];
     pk_real t = row[TAPE_T0], *l = x->l, *m = l + n2, *y = x->q;
-    pk_copy(y, row + TAPE_STATE, n2);
+    pk_copy(y, x->d->q, n2);
     for (int i = 0; i <= table->stages; i++) {
         pk_real *const next = y + n2, *const k = x->k + (size_t)i * n2;
         const int kicks = table->kick[i] > 0 || table->kick[i] < 0;
@@ -159,6 +151,7 @@ static void steps(void *context)
         x->status = PK_REFUSED;
         return;
     }
+    double *of_times = memory_take(&x->run->memory, n2, sizeof *of_times); /* of a step */
     for (size_t i = 0; i < n2 + x->m; i++)
         x->lambda[i] = (pk_real)x->out[i];
     for (size_t k = x->end; k-- > x->begin && x->status >= 0;) {
@@ -166,21 +159,19 @@ static void steps(void *context)
         if (!(row[TAPE_T1] > row[TAPE_T0]))
             continue;
         const int cut = tape_is_cut(x->run, row, row[TAPE_T1]);
-        const struct shift shift = {NULL, 1, cut ? 0 : 1, 0};
+        const struct shift shift = {NULL, 1, !cut, 0};
         if (cut)
             x->out[n2 + x->m] = 0;
-        if (x->shifts && (cut || !(system->facts & PK_AUTONOMOUS)))
-            x->status = differences_find(&x->d, k, row[TAPE_T1], &shift, x->times);
-        for (size_t i = 0; i < n2 && x->shifts; i++)
-            x->out[n2 + x->m] += (double)x->lambda[i] * x->times[i];
-        pk_zero(x->bars, n2);
-        tape_params(x->run, row, x->params);
-        x->u = row + TAPE_STATE + 2 * n2;
+        if (x->shifts && (cut || !(system->facts & PK_AUTONOMOUS))) {
+            x->status = differences_find(x->d, k, row[TAPE_T1], &shift, of_times);
+            for (size_t i = 0; i < n2; i++)
+                x->out[n2 + x->m] += (double)x->lambda[i] * of_times[i];
+        }
+        differences_place(x->d, row);
         if (table)
             runge_kutta(x, table, row);
         else
             splitting(x, kicks, row);
-        memset(x->times, 0, n2 * sizeof *x->times);
     }
     for (size_t i = 0; i < n2 + x->m; i++)
         x->out[i] = (double)x->lambda[i];
@@ -190,6 +181,5 @@ int pk_run_adjoint(struct pk_run *run, size_t begin, size_t end, int shifts, dou
 {
     struct adjoint x = {.run = run, .begin = begin, .end = end, .shifts = shifts, .out = lambda};
     const int done = memory_try(&run->memory, steps, &x);
-    pk_integrator_free(&x.d.it);
     return done ? x.status : PK_NO_MEMORY;
 }

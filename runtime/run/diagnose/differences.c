@@ -5,21 +5,36 @@
 #include <pk/constraint.h>
 
 #include "../../src/core/internal.h"
+#include "../settings/settings.h"
 #include "tape.h"
 
 #define PART PK_C(1e-3)
 /* largest change of a time, in units of the step */
 #define PART_OF_STEP PK_C(1e-2)
 
+struct pk_options differences_options(const struct pk_run *run, pk_real h)
+{
+    struct pk_options options = run->settings.options;
+    options.h = h;
+    options.max_steps = 0;
+    if (!pk_is_fixed(run->settings.method)) {
+        options.h_max = h;
+        options.rtol = options.atol = PK_C(1e10); /* no error is too large */
+        options.newton_tol = 8 * PK_EPSILON;
+    }
+    return options;
+}
+
 void differences_make(struct differences *d, struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     const struct pk_system *system = s->system;
     const size_t n = s->n, m = system->n_inputs;
-    memset(d, 0, sizeof *d);
     d->run = run;
     d->n = n;
+    d->n_q = settings_coordinates(s);
     d->params = memory_take(&run->memory, system->params_size, 1);
+    memcpy(d->params, s->params, system->params_size);
     d->q = memory_take(&run->memory, 6 * n + 2 * m, sizeof *d->q);
     d->v = d->q + n;
     d->scale = d->v + n;
@@ -28,6 +43,20 @@ void differences_make(struct differences *d, struct pk_run *run)
     d->input = (struct pk_constant_input){d->u, m};
     d->problem = (struct pk_problem){
         .system = system, .params = d->params, .input = pk_constant_input, .context = &d->input};
+    d->size = pk_integrator_size(&d->problem, s->method);
+    d->block = memory_take(&run->memory, d->size, 1);
+}
+
+void differences_place(struct differences *d, const pk_real *row)
+{
+    const struct pk_system *system = d->problem.system;
+    const struct tape *tape = d->run->tape;
+    memcpy(d->params, d->run->settings.params, system->params_size);
+    if (tape->n_sides)
+        memcpy((char *)d->params + system->switches.sides, row + tape->width - tape->n_sides,
+               tape->n_sides * sizeof *row);
+    pk_copy(d->q, row + TAPE_STATE, 2 * d->n); /* d->v follows d->q */
+    pk_copy(d->u, row + TAPE_STATE + 4 * d->n, d->input.count);
 }
 
 /* Finds the largest size of each number of the state. A number that hardly moves takes part of that
@@ -63,60 +92,44 @@ static pk_real small(struct differences *d, const pk_real *row, const struct shi
     const double *D = shift->D;
     if (!d->measured)
         measure(d);
-    tape_params(d->run, row, d->params);
+    differences_place(d, row);
     for (size_t i = 0; D && i < 2 * d->n; i++)
         if (d->scale[i] > 0)
             most = pk_max(most, pk_abs((pk_real)D[i]) / d->scale[i]);
     for (size_t j = 0; D && j < system->n_inputs + system->n_parameters; j++) {
-        const pk_real x = j < system->n_inputs ? row[TAPE_STATE + 4 * d->n + j]
-                                               : *parameter(d, j - system->n_inputs);
+        const pk_real x = j < system->n_inputs ? d->u[j] : *parameter(d, j - system->n_inputs);
         const pk_real change = pk_abs((pk_real)D[2 * d->n + j]);
         most = pk_max(most, x > 0 || x < 0 ? change / pk_abs(x) : change);
     }
     return most > 0 ? PART / most : PART;
 }
 
-/* Makes a step from (d->q, d->v) at t0 to t. */
+/* Makes a step from (d->q, d->v) at t0 to t. `moved`: constraints are to hold at the start. */
 static enum pk_status step(struct differences *d, size_t row, pk_real t0, pk_real t, int moved)
 {
     struct pk_integrator *it = &d->it;
-    const struct settings *s = &d->run->settings;
     const int goes = t > t0 || t < t0;
-    const struct pk_options options = tape_options(d->run, goes ? pk_abs(t - t0) : 1);
-    enum pk_status status = PK_DONE;
-    if (!d->block) {
-        const size_t size = pk_integrator_size(&d->problem, s->method);
-        d->block = memory_take(&d->run->memory, size, 1);
-        const pk_real *start = tape_row(d->run->tape, row);
-        PK_TRY(pk_integrator_init(it, &d->problem, s->method, &options, start[TAPE_T0],
-                                  start + TAPE_STATE, start + TAPE_STATE + d->n, d->block, size));
-    }
-    if (moved && (it->problem.system->constraints.n || it->problem.system->n_rotations))
+    const struct pk_options options = differences_options(d->run, goes ? pk_abs(t - t0) : 1);
+    if (!it->own)
+        PK_TRY(pk_integrator_init(it, &d->problem, d->run->settings.method, &options, t0, d->q,
+                                  d->v, d->block, d->size));
+    if (moved)
         PK_TRY(pk_constraint_project(it, t0, d->q, d->v));
     it->options = options;
     it->count.steps = row; /* the same noise */
-    if (goes) {
-        PK_TRY(pk_integrator_reset(it, t0, d->q, d->v));
-        PK_TRY(pk_integrator_set_step(it, options.h));
-        status = pk_integrator_to(it, t);
-        memcpy(d->q, it->q, it->n_q * sizeof *d->q);
-        memcpy(d->v, it->v, it->n * sizeof *d->v);
-    }
+    if (!goes)
+        return PK_DONE;
+    PK_TRY(pk_integrator_reset(it, t0, d->q, d->v));
+    const enum pk_status status = pk_integrator_to(it, t);
+    pk_copy(d->q, it->q, d->n_q);
+    pk_copy(d->v, it->v, d->n);
     return status;
-}
-
-/* Sets the state at the start of a row, or at its end. */
-static void place(struct differences *d, const pk_real *row, int end)
-{
-    tape_params(d->run, row, d->params);
-    memcpy(d->q, row + TAPE_STATE + (end ? 2 * d->n : 0), 2 * d->n * sizeof *d->q);
-    memcpy(d->u, row + TAPE_STATE + 4 * d->n, d->input.count * sizeof *d->u);
 }
 
 enum pk_status differences_step(struct differences *d, size_t row, pk_real t)
 {
     const pk_real *at = tape_row(d->run->tape, row);
-    place(d, at, 0);
+    differences_place(d, at);
     return step(d, row, at[TAPE_T0], t, 0);
 }
 
@@ -138,8 +151,8 @@ static enum pk_status act(struct differences *d, size_t row, pk_real t)
     PK_TRY(step(d, row, t, t, 1));
     PK_TRY(pk_integrator_reset(it, t, d->q, d->v));
     PK_TRY(pk_actor_run(actor, it));
-    memcpy(d->q, it->q, it->n_q * sizeof *d->q);
-    memcpy(d->v, it->v, it->n * sizeof *d->v);
+    pk_copy(d->q, it->q, d->n_q);
+    pk_copy(d->v, it->v, d->n);
     const pk_real *after = tape_row(tape, row + 1) + TAPE_STATE + 4 * d->n;
     for (size_t k = 0; k < contacts->n; k++) { /* a neighbour that goes on otherwise */
         const size_t mode = contacts->table[k].mode;
@@ -156,12 +169,16 @@ enum pk_status differences_find(struct differences *d, size_t row, pk_real t,
     const struct pk_system *system = d->problem.system;
     const pk_real *at = tape_row(d->run->tape, row), by = small(d, at, shift);
     const size_t n = d->n, m = system->n_inputs;
+    if (!d->it.own) /* begins on the constraints, which a displacement leaves */
+        PK_TRY(differences_step(d, row, at[TAPE_T0]));
     pk_zero(d->found, 2 * n + m);
     for (size_t s = 0; s < 4; s++) {
         const pk_real e = offset[s] * by;
-        place(d, at, shift->jumps);
+        differences_place(d, at);
+        if (shift->jumps)
+            pk_copy(d->q, at + TAPE_STATE + 2 * n, 2 * n);
         for (size_t i = 0; shift->D && i < 2 * n; i++)
-            d->q[i] += e * (pk_real)shift->D[i]; /* d->v follows d->q */
+            d->q[i] += e * (pk_real)shift->D[i];
         for (size_t j = 0; shift->D && j < m; j++)
             d->u[j] += e * (pk_real)shift->D[2 * n + j];
         for (size_t k = 0; shift->D && k < system->n_parameters; k++)
@@ -174,6 +191,6 @@ enum pk_status differences_find(struct differences *d, size_t row, pk_real t,
         pk_add(d->found + 2 * n, weight[s] / (12 * by), d->u, m);
     }
     for (size_t i = 0; i < 2 * n + (shift->jumps ? m : 0); i++)
-        out[i] = i >= d->it.n_q && i < n ? 0 : (double)d->found[i];
+        out[i] = i >= d->n_q && i < n ? 0 : (double)d->found[i];
     return PK_DONE;
 }

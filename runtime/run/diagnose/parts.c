@@ -3,6 +3,7 @@
 #include "parts.h"
 
 #include "../observers/observers.h"
+#include "tape.h"
 
 /* OF_ROWS: the flags of all diagnostics that read rows, combined. */
 #define FLAG_OF_MOTION(name)
@@ -174,4 +175,6 @@ void diagnose_free(struct pk_run *run)
 {
     if (run->diagnostics)
         free(run->diagnostics->text);
+    if (run->tape)
+        pk_integrator_free(&run->tape->differences.it);
 }

@@ -4,16 +4,22 @@
 
 #include "parts.h"
 
-static void put(struct pk_run *run, pk_real *to, const pk_real *q, const pk_real *v)
+static void put(const struct pk_run *run, pk_real *to, const struct moment *at)
 {
-    memcpy(to, q, run->it.n_q * sizeof *to);
-    memcpy(to + run->it.n, v, run->it.n * sizeof *to);
+    memcpy(to, at->q, run->it.n_q * sizeof *to);
+    memcpy(to + run->it.n, at->v, run->it.n * sizeof *to);
 }
 
-static void sides(const struct pk_run *run, pk_real *to)
+/* Sets the end of the step, unless a crossing in it has done so. */
+static void finish(struct pk_run *run, const struct moment *at)
 {
-    if (run->tape->n_sides)
-        memcpy(to, run->events.sides, run->tape->n_sides * sizeof *to);
+    const struct tape *tape = run->tape;
+    if (tape->caught)
+        return;
+    put(run, tape->now + TAPE_STATE + 2 * run->it.n, at);
+    if (tape->n_sides)
+        memcpy(tape->now + tape->width - tape->n_sides, run->events.sides,
+               tape->n_sides * sizeof *tape->now);
 }
 
 static void begin(struct pk_run *run)
@@ -25,6 +31,7 @@ static void begin(struct pk_run *run)
     tape->n_sides = pk_system_switch_count(s->system, s->params);
     tape->width = TAPE_STATE + 4 * s->n + s->system->n_inputs + tape->n_sides;
     tape->now = memory_take(&run->memory, tape->width, sizeof *tape->now);
+    differences_make(&tape->differences, run);
     run->tape = tape;
 }
 
@@ -49,12 +56,9 @@ static void event(struct pk_run *run, size_t event, const struct moment *at)
     struct tape *tape = run->tape;
     if (!tape || !jumps(run, event))
         return;
-    const size_t n = run->it.n;
     tape->now[TAPE_MARK] = tape->caught ? -1 : (pk_real)event + 1;
-    if (!tape->caught)
-        sides(run, tape->now + tape->width - tape->n_sides);
+    finish(run, at);
     tape->caught = 1;
-    put(run, tape->now + TAPE_STATE + 2 * n, at->q, at->v);
 }
 
 static void step(struct pk_run *run, const struct moment *at)
@@ -62,13 +66,9 @@ static void step(struct pk_run *run, const struct moment *at)
     struct tape *tape = run->tape;
     if (!tape)
         return;
-    const size_t n = run->it.n, m = run->settings.system->n_inputs;
     pk_real *now = tape->now;
+    finish(run, at);
     now[TAPE_T1] = at->t;
-    if (!tape->caught) {
-        put(run, now + TAPE_STATE + 2 * n, at->q, at->v);
-        sides(run, now + tape->width - tape->n_sides);
-    }
     if (now[TAPE_T1] > now[TAPE_T0] || tape->caught) {
         tape->rows = memory_room(&run->memory, tape->rows, tape->count + 1, &tape->room,
                                  tape->width * sizeof *tape->rows);
@@ -76,34 +76,12 @@ static void step(struct pk_run *run, const struct moment *at)
     }
     now[TAPE_T0] = at->t;
     now[TAPE_MARK] = tape->caught = 0;
-    put(run, now + TAPE_STATE, at->q, at->v);
-    memcpy(now + TAPE_STATE + 4 * n, run->settings.u, m * sizeof *now);
+    put(run, now + TAPE_STATE, at);
+    memcpy(now + TAPE_STATE + 4 * run->it.n, run->settings.u,
+           run->settings.system->n_inputs * sizeof *now);
 }
 
 const struct observer tape_observer = {.begin = begin, .event = event, .step = step};
-
-void tape_params(const struct pk_run *run, const pk_real *row, void *params)
-{
-    const struct settings *s = &run->settings;
-    const struct tape *tape = run->tape;
-    memcpy(params, s->params, s->system->params_size);
-    if (tape->n_sides)
-        memcpy((char *)params + s->system->switches.sides, row + tape->width - tape->n_sides,
-               tape->n_sides * sizeof *row);
-}
-
-struct pk_options tape_options(const struct pk_run *run, pk_real h)
-{
-    struct pk_options options = run->settings.options;
-    options.h = h;
-    options.max_steps = 0;
-    if (!pk_is_fixed(run->settings.method)) {
-        options.h_max = h;
-        options.rtol = options.atol = PK_C(1e10); /* no error is too large */
-        options.newton_tol = 8 * PK_EPSILON;
-    }
-    return options;
-}
 
 int tape_is_cut(const struct pk_run *run, const pk_real *row, pk_real t)
 {
@@ -111,23 +89,12 @@ int tape_is_cut(const struct pk_run *run, const pk_real *row, pk_real t)
     return !pk_is_fixed(run->settings.method) || PK_F(fabs)(took - h) > PK_C(1e-6) * h;
 }
 
-static void copy(void *context)
+size_t pk_run_tape(const struct pk_run *run, double *rows)
 {
-    struct pk_run *run = context;
-    struct tape *tape = run->tape;
+    const struct tape *tape = run->tape;
     const size_t shown = tape->width - tape->n_sides;
-    tape->copy = memory_take(&run->memory, tape->count * shown + 1, sizeof *tape->copy);
-    for (size_t k = 0; k < tape->count; k++)
+    for (size_t k = 0; rows && k < tape->count; k++)
         for (size_t i = 0; i < shown; i++)
-            tape->copy[k * shown + i] = (double)tape_row(tape, k)[i];
-}
-
-size_t pk_run_tape(const struct pk_run *run, const double **rows, size_t *width)
-{
-    struct tape *tape = run->tape;
-    *width = tape ? tape->width - tape->n_sides : 0;
-    if (!tape || (!tape->copy && !memory_try((struct memory *)&run->memory, copy, (void *)run)))
-        return 0;
-    *rows = tape->copy;
+            *rows++ = (double)tape_row(tape, k)[i];
     return tape->count;
 }

@@ -8,11 +8,23 @@
  * inputs, and, not in the caller's copy, the sides of switches. */
 enum { TAPE_T0, TAPE_T1, TAPE_MARK, TAPE_STATE };
 
+/* Repeats steps of the tape with other starts, by the run's own method; see differences.c. */
+struct differences {
+    struct pk_run *run;
+    struct pk_problem problem;
+    struct pk_integrator it; /* must be freed */
+    struct pk_constant_input input;
+    size_t n, n_q, size; /* size: that of the block */
+    int measured;        /* whether `scale` is known */
+    void *params, *block;
+    pk_real *q, *v, *u, *scale, *found;
+};
+
 struct tape {
     pk_real *rows, *now; /* `now`: the row of the next step */
     size_t count, room, width, n_sides;
-    double *copy; /* for pk_run_tape() */
-    int caught;   /* whether a crossing in this step has set its end */
+    int caught; /* whether a crossing in this step has set its end */
+    struct differences differences;
 };
 
 /* The numbers of row k. */
@@ -20,11 +32,6 @@ static inline const pk_real *tape_row(const struct tape *tape, size_t k)
 {
     return tape->rows + k * tape->width;
 }
-
-/* Sets a copy of the run's params, with the sides of switches in the step of a row. */
-void tape_params(const struct pk_run *run, const pk_real *row, void *params);
-/* Sets the options of one step of length h, whatever its error, of the run's method. */
-struct pk_options tape_options(const struct pk_run *run, pk_real h);
 
 /* Returns whether the end of a step to t is at a given time. The other steps have a given length,
  * so that they shift with the start. */
@@ -38,19 +45,11 @@ struct shift {
     int jumps; /* whether the jump at the end of the step is meant, not the step */
 };
 
-/* Repeats steps of the tape with other starts, by the run's own method; see differences.c. */
-struct differences {
-    struct pk_run *run;
-    struct pk_problem problem;
-    struct pk_integrator it;
-    struct pk_constant_input input;
-    size_t n;
-    int measured; /* whether `scale` is known */
-    void *params, *block;
-    pk_real *q, *v, *u, *scale, *found;
-};
-
 void differences_make(struct differences *d, struct pk_run *run);
+/* Returns the options of one step of length h, whatever its error, of the run's method. */
+struct pk_options differences_options(const struct pk_run *run, pk_real h);
+/* Sets d->params, d->u, and (d->q, d->v) to those of a row: its equations and its start. */
+void differences_place(struct differences *d, const pk_real *row);
 /* Writes the derivative of the end of step `row`, which is at t, along a displacement: n numbers of
  * q and n of v; of a jump the inputs too. PK_NO_CONTACT: neighbours keep other contacts. */
 enum pk_status differences_find(struct differences *d, size_t row, pk_real t,

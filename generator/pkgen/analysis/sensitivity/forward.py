@@ -55,19 +55,13 @@ class Sensitivities:
             D[-1, :, : 2 * tape.n] += numpy.outer(of_t[-1], tape.ending(last))
         return states, D, of_t
 
-    @cached_property
-    def _inputs(self) -> NDArray[Any]:
-        ends = self.tape.rows[:, 1]
-        row = numpy.minimum(numpy.searchsorted(ends, self._t), len(ends) - 1)
-        return self.tape.rows[row, 3 + 4 * self.tape.n :]
-
     def _kernel(self, name: str) -> NDArray[Any]:
         """Returns the derivatives that a kernel of one state writes, by rows and by `by`, of shape
         (rows, quantities, by)."""
         n = self.tape.n
         states, D, of_t = self.moved
         q, v = states[:, :n], states[:, n:]
-        found = self.tape.run.evaluate(name, self._t, q, v, self._inputs)
+        found = self.tape.run.evaluate(name, self._t, q, v)  # inputs are constant
         J = found.reshape(len(self._t), -1, self.tape.width)
         by_t = J[:, :, 2 * n, None] * of_t[:, None, :]
         return numpy.delete(J, 2 * n, axis=2) @ D[:, :, :-1].transpose(0, 2, 1) + by_t
@@ -100,8 +94,7 @@ class Sensitivities:
         if kind in ("q", "v"):
             return states[:, k + (n if kind == "v" else 0)]
         kernel = {"observed": "outputs", "energy": "energy"}[kind]
-        given = self._t, states[:, :n], states[:, n:], self._inputs
-        return self.tape.run.evaluate(kernel, *given)[:, k]
+        return self.tape.run.evaluate(kernel, self._t, states[:, :n], states[:, n:])[:, k]
 
     def __getitem__(self, key: tuple[str, str]) -> NDArray[Any]:
         of, by = key

@@ -11,7 +11,7 @@ Reference: P. C. Müller, Chaos, Solitons and Fractals 5 (1995) 1671 (saltation)
 from __future__ import annotations
 
 from collections.abc import Iterator
-from ctypes import POINTER, c_double, c_size_t
+from ctypes import POINTER, c_double
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,6 +31,7 @@ from ...system.near import near
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+MULTISTEP = ("gsl_msadams", "gsl_msbdf")  # a single step of these cannot be repeated
 GRAZES = 1e-6  # a crossing at a rate below this, relative to the motion, grazes
 
 
@@ -49,6 +50,11 @@ def refuse(prepared: Runnable) -> None:
         raise UsageError("sensitivity: there are no derivatives of families kept as loops")
     if prepared.settings.at is not None:
         raise UsageError("sensitivity: rows at events have no derivatives: leave 'at' out")
+    if (method := prepared.settings.method) in MULTISTEP:
+        raise UsageError(
+            f"sensitivity: {method} has no derivatives, since its steps depend on those before: "
+            "choose another method"
+        )
 
 
 def library(prepared: Runnable) -> Path:
@@ -79,11 +85,10 @@ class Tape:
         self.fixed = "adaptive" not in method.traits
 
     def _rows(self) -> NDArray[Any]:
-        found, wide = POINTER(c_double)(), c_size_t()
-        count = self.run._c.pk_run_tape(self.run._run, found, wide)
-        if not count:
-            return numpy.zeros((0, 3 + 4 * self.n + self.m))
-        return numpy.ctypeslib.as_array(found, (count, wide.value)).copy()
+        tape, run = self.run._c.pk_run_tape, self.run._run
+        rows = numpy.zeros((tape(run, None), 3 + 4 * self.n + self.m))
+        tape(run, _pointer(rows))
+        return rows
 
     def state(self, k: int, end: int) -> tuple[float, NDArray[Any], NDArray[Any], NDArray[Any]]:
         """Returns t, q, v and u at the start or the end of a row."""
