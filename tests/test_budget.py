@@ -18,23 +18,27 @@ BUDGET = {  # area: lines, tokens
     # 49: values after events, contacts, friction, modes (920), noise (420).
     # 50: equilibria, modes and symmetries in NumPy (1,000), linear models (430), text and data
     # (150), kernels by inputs and parameters (100); their search in C went (1,610).
-    # Then the effective potential (180), plots, zeros, responses of linear models (240).
-    "generator": (68_100, 549_000),
+    # Then the effective potential (180), plots, zeros, responses of linear models (240);
+    # derivatives of runs (550).
+    "generator": (68_750, 555_000),
     # pieces, tables, samples, nearest starts, events that jump; impacts (950), noise (430); then
     # exponents of motions with impacts (290), kinks of gaps and grazes (60)
-    "runtime": (32_450, 301_000),
-    # continuation (2,050)
-    "addons": (26_200, 228_000),
+    # 50: derivatives of runs: tape, forward, backward, by differences (850)
+    "runtime": (33_300, 310_500),
+    # continuation (2,050), fits (930), optima (980), CasADi (370)
+    "addons": (28_500, 249_500),
     # regimes of rows; arguments of 0, jumps of events; contacts against a reference, noise;
     # contacts mixed with tables, samples, latches, their smooth limit, regimes, billiards
     # equilibria, steady motions and linear models, their plots, effective potentials
-    "tests": (54_400, 507_000),
+    # derivatives of runs (300)
+    "tests": (54_800, 511_000),
 }
 # The words for users: README.md and docs, without docs/dev. Forces at points, conditions and H took
 # 300, contacts and noise 1,400, tables 400, parts 1,000, sample blocks 800, closed forms and
 # consistent starts 700, exponents of billiards and grazes 350, equilibria and linear models 700,
-# effective potentials, plots of linear models and a Kalman filter 500, continuation 50.
-WORDS = 41_950
+# effective potentials, plots of linear models and a Kalman filter 500, continuation 50,
+# derivatives of runs, fits and optima 600.
+WORDS = 42_600
 CODE = {".py", ".c", ".h", ".j2", ".js", ".css", ".html", ".lark", ".in"}
 C_TOKEN = re.compile(r"[A-Za-z_]\w*|\d[\w.]*|\S")
 C_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.S)
