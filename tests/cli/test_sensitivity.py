@@ -213,6 +213,15 @@ def test_steps_by_a_jacobian(method: str, tmp_path: Path) -> None:
     compared(model, ["k", "c", "e", "x"], method=method, **how)
 
 
+@pytest.mark.parametrize("method", ["rk4", "verlet"])
+def test_steps_that_shift_with_an_event(method: str, tmp_path: Path) -> None:
+    """Long steps of a force in t shift after the event, but for the one that ends at a row."""
+    text = "model kicked\nparam k = 3\nparam e = 0.8\ncoord x\nkinetic x'^2/2\npotential k*x^2/2\n"
+    text += "force x = 2*cos(5*t)*x\nstart x = 1\nevent low: x < 0.6 then x' = -e*x'\n"
+    model = package.load(written(tmp_path, text + "observe a = x*t\nobserve b = x'*k\n"))
+    compared(model, ["k", "e"], method=method, step=0.2)
+
+
 NOISY = """
 model bath
 param c = 0.3
