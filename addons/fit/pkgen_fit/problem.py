@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+MOST_STEPS = 20_000  # of a run; values tried on the way may make a motion very fast
+
+
 @record
 class Unknown:
     """A parameter, or the start of a coordinate or rate in one experiment (None: in all)."""
@@ -76,6 +79,7 @@ class Problem:
                 key = next(key for key, names in into.items() if unknown.inner in names)
                 lists[key][into[key][unknown.inner][0]] = float(value)
         given = {key: tuple(values.items()) for key, values in lists.items()}
+        given["max_steps"] = min(settings.max_steps or MOST_STEPS, MOST_STEPS)
         return replace(prepared, settings=replace(settings, until=until, every=until, **given))
 
     def one(self, x: NDArray[Any], k: int, horizon: float) -> dict[str, tuple[Any, Any]] | None:
