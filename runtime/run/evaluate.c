@@ -86,7 +86,7 @@ static struct kernel find(const struct settings *s, const char *name)
     const struct kernel *k = kernels;
     while (*k->name && strcmp(k->name, name) != 0)
         k++;
-    const struct pk_jacobian *of = *k->name ? NULL : run_jacobian(system, name);
+    const struct pk_jacobian *of = *k->name ? NULL : run_jacobian_named(system, name);
     return of ? (struct kernel){name, of->moving ? MOVING : PLAIN, of->width, of->plain,
                                 .moving = of->moving}
               : *k;

@@ -36,7 +36,7 @@ static void make(struct adjoint *x)
     x->n = x->d->n;
     x->n_q = x->d->n_q;
     x->m = x->system->n_inputs + x->system->n_parameters;
-    x->kernel = run_jacobian(x->system, "adjoint");
+    x->kernel = run_jacobian_named(x->system, "adjoint");
     const size_t n = x->n, of_stages = (MOST + 2) * 2 * n, wide = 2 * n + 1 + x->m;
     x->q = memory_take(memory, 3 * of_stages + 2 * n + n * n + 2 * wide, sizeof *x->q);
     x->k = x->q + of_stages;

@@ -252,9 +252,9 @@ enum pk_status variation_drive(struct variation *w, const pk_real *du)
 {
     const struct pk_system *system = w->of.system;
     const size_t n = w->n, more = system->n_inputs + system->n_parameters;
-    w->r_u = run_jacobian(system, "r_u");
-    w->r_p = run_jacobian(system, "r_p");
-    w->canonical = run_jacobian(system, "canonical_d");
+    w->r_u = run_jacobian_named(system, "r_u");
+    w->r_p = run_jacobian_named(system, "r_p");
+    w->canonical = run_jacobian_named(system, "canonical_d");
     if ((system->n_inputs && !w->r_u) || (system->n_parameters && !w->r_p))
         return PK_REFUSED;
     if (!w->canonical)

@@ -101,7 +101,7 @@ int member_by_one(const struct settings *s)
            s->system->resets.n > 0 || s->system->contacts.n > 0;
 }
 
-const struct pk_jacobian *run_jacobian(const struct pk_system *system, const char *name)
+const struct pk_jacobian *run_jacobian_named(const struct pk_system *system, const char *name)
 {
     const struct pk_part_sensitivity *all = &system->sensitivity;
     for (size_t k = 0; k < all->n; k++)

@@ -31,7 +31,7 @@ int run_sampled(void *context, size_t block, pk_real t, const pk_real *q, const 
                 pk_real *next);
 void refresh_inputs(const struct settings *s, pk_real t, const pk_real *q, const pk_real *v);
 /* Returns a Jacobian that the model was compiled with, or NULL. */
-const struct pk_jacobian *run_jacobian(const struct pk_system *system, const char *name);
+const struct pk_jacobian *run_jacobian_named(const struct pk_system *system, const char *name);
 /* Sets the default interval between rows, at most `until`. */
 void settle_every(struct settings *s);
 /* Names of settings in messages: options of `pkgen run` and of built programs. */
