@@ -316,3 +316,20 @@ def test_a_pendulum_that_bounces() -> None:
 
         found = model.gradient(second, name, **how)[name]
         assert found == pytest.approx(slope(value, x0, 1.0, 1e-4), rel=1e-7), first
+
+
+def test_inputs_that_events_set_are_moved_too(tmp_path: Path) -> None:
+    """The energy lost in impacts is an input that they set: (1 - e^2) m v^2/2 after the first."""
+    text = "model struck\nparam m = 1.2\nparam v = 5\nparam e = 0.8 in [0, 1]\ncoord y\n"
+    text += "kinetic m/2*y'^2\npotential 9.81*m*y\nstart y' = v\n"
+    text += "impact floor: y falling with restitution e\nobserve o = loss(floor)^2\n"
+    model = package.load(written(tmp_path, text))
+    lost = 0.36 * 1.2 * 25 / 2
+    exact = {"m": 2 * lost**2 / 1.2, "v": 4 * lost**2 / 5, "e": -2 * lost * 1.6 * 1.2 * 25 / 2}
+    for how in ({"method": "dop853", "rtol": 1e-12}, {"method": "rk4", "step": 0.01}):
+        run = model.run(1.5, every=0.25, sensitivity=[*exact], **how)
+        assert run.sensitivity.values("o") == pytest.approx(run["o"], rel=1e-12)
+        assert model.gradient("o", [*exact], until=1.5, **how) == pytest.approx(exact, rel=1e-8)
+        for name, slope_ in exact.items():
+            found = run.sensitivity["o", name]
+            assert not found[:5].any() and found[5:] == pytest.approx(slope_, rel=1e-8)

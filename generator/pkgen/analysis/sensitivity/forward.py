@@ -55,13 +55,20 @@ class Sensitivities:
             D[-1, :, : 2 * tape.n] += numpy.outer(of_t[-1], tape.ending(last))
         return states, D, of_t
 
+    @cached_property
+    def _inputs(self) -> NDArray[Any]:
+        """The inputs at the rows; events may set them."""
+        rows, n = self.tape.rows, self.tape.n
+        at = numpy.minimum(numpy.searchsorted(rows[:, 1], self._t), len(rows) - 1)
+        return rows[at, 3 + 4 * n :]
+
     def _kernel(self, name: str) -> NDArray[Any]:
         """Returns the derivatives that a kernel of one state writes, by rows and by `by`, of shape
         (rows, quantities, by)."""
         n = self.tape.n
         states, D, of_t = self.moved
         q, v = states[:, :n], states[:, n:]
-        found = self.tape.run.evaluate(name, self._t, q, v)  # inputs are constant
+        found = self.tape.run.evaluate(name, self._t, q, v, self._inputs)
         J = found.reshape(len(self._t), -1, self.tape.width)
         by_t = J[:, :, 2 * n, None] * of_t[:, None, :]
         return numpy.delete(J, 2 * n, axis=2) @ D[:, :, :-1].transpose(0, 2, 1) + by_t
@@ -94,7 +101,8 @@ class Sensitivities:
         if kind in ("q", "v"):
             return states[:, k + (n if kind == "v" else 0)]
         kernel = {"observed": "outputs", "energy": "energy"}[kind]
-        return self.tape.run.evaluate(kernel, self._t, states[:, :n], states[:, n:])[:, k]
+        given = self._t, states[:, :n], states[:, n:], self._inputs
+        return self.tape.run.evaluate(kernel, *given)[:, k]
 
     def __getitem__(self, key: tuple[str, str]) -> NDArray[Any]:
         of, by = key

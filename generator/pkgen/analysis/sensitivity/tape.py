@@ -205,25 +205,25 @@ class Tape:
     def saltation(self, k: int) -> NDArray[Any]:
         """Returns the derivative of the jump at the end of a row, by the displacement before it."""
         e, n = self.equations, 2 * self.n
-        of_time = self.crossing(k)
-        jump, shift = numpy.eye(self.width), self.ending(k)
-        mark = int(self.rows[k][2])
+        of_time, mark = self.crossing(k), int(self.rows[k][2])
+        jump = numpy.eye(self.width)
+        shift = numpy.append(self.ending(k), numpy.zeros(self.m))  # of (q, v, u) by the time
         if mark <= len(e.events):
             found = numpy.zeros((n + self.m, self.width))
             for j in {*range(self.width)} - self._flags:
                 found[:, j] = self._jump(k, numpy.eye(self.width)[j])
             jump[: n + self.m, :-1] = found[:, :-1]
-            shift = jump[:n, :n] @ shift + found[:n, -1]
-        elif e.switches[mark - 1 - len(e.events)].impulse:
-            raise UsageError(
+            shift = found[:, :n] @ shift[:n] + found[:, -1]
+        elif not numpy.array_equal(*(numpy.hstack(self.state(*at)) for at in ((k, 1), (k + 1, 0)))):
+            raise NumericsFailed(
                 f"at t = {self.rows[k][1]:.10g} rates jump at a switch of "
                 f"{e.switches[mark - 1 - len(e.events)].quantity.name}: no derivative is known"
             )
         if self.fixed:
             jump[-1] = of_time
         else:
-            shift = shift - self.rates(k + 1, 0)
-        jump[:n] += numpy.outer(shift, of_time)
+            shift[:n] -= self.rates(k + 1, 0)
+        jump[: n + self.m] += numpy.outer(shift, of_time)
         return jump
 
     @cached_property
