@@ -301,11 +301,6 @@ class Equations:
     # For C: the requested Jacobians by name (middle/derive/sensitivity.py).
     sensitivity: Mapping[str, Matrix] | None = None
 
-    def after(self, row: Row) -> Row:
-        """Returns the values after an event in the order of C, from a row of `resets`."""
-        hidden = len(row) - len(self.coordinates) - len(self.inputs)  # with those of body rates
-        return (*row[: self.own], *row[hidden:])
-
     @property
     def moving(self) -> tuple[str, ...]:
         """The names of the rows of M: coordinates, or for rotations body rates."""

@@ -25,7 +25,7 @@ class Point:
     energy: float | None
     period: float | None  # of an orbit
     extents: dict[str, tuple[float, float]]  # of an orbit, by name
-    kind: str = ""  # of a special point
+    kind: str = ""  # the kind of a special point, or ""
     set: dict[str, float] = field(default_factory=dict)  # parameters and inputs
 
     @property

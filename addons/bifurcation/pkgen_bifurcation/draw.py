@@ -24,7 +24,7 @@ MARKS = {
     "torus": "P",
     "Krein collision": "X",
 }
-HEIGHT = 0.62  # of a picture, in widths
+HEIGHT = 0.62  # the height of a picture, in widths
 
 
 def _lines(branch: Branch, show: str) -> list[list[float]]:

@@ -34,8 +34,8 @@ class Node:
     rate: float  # derivative of the value along the branch
     values: numpy.ndarray  # eigenvalues or multipliers
     about: dict[str, Any]  # state by name, period, energy
-    grid: Any = None  # of the problem, that x belongs to
-    kind: str = ""  # of a special point
+    grid: Any = None  # the grid that x belongs to
+    kind: str = ""  # the kind of a special point, or ""
 
 
 @dataclass
@@ -67,7 +67,7 @@ class Problem:
     grid: Any = None
     ref: Any = None  # a point that the equations refer to
     is_map = False
-    unit = 1.0  # of the lengths of steps
+    unit = 1.0  # the unit of step lengths
     doublings = 0
     slack = 0  # solutions go on in so many directions beside the tangent
     flat = 1e-7  # a singular value below this part of the largest counts as 0

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy
 
 from pkgen.analysis.sensitivity.forward import Sensitivities
-from pkgen.analysis.sensitivity.tape import Tape
+from pkgen.analysis.sensitivity.tape import ran
 from pkgen.api.prepare import Prepared
 from pkgen.record import record
 from pkgen.run import named
-from pkgen.run.library import load
 from pkgen.system.exits import NumericsFailed
 
 from .data import Experiment
@@ -89,14 +88,10 @@ class Problem:
         within = e.t <= horizon * e.t[-1]
         until = float(e.t[within][-1])
         run = self.changed(x, k, until)
-        done = load(run.library).run(run.settings, tape=1)
         self.evaluations += 1
-        if done.code or done.report.get("status") != "PK_DONE":
-            self.failed = done.messages.strip() or str(done.report.get("reason", ""))
-            return None
-        tape = Tape(run, done)
         mine = [i for i, u in enumerate(self.unknowns) if u.experiment in (None, k)]
         try:
+            tape = ran(run)
             found = Sensitivities(tape, [self.unknowns[i].inner for i in mine], e.t[within])
             values = {}
             for name in e.columns:

@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy
 
 from pkgen.analysis.sensitivity.forward import Sensitivities
-from pkgen.analysis.sensitivity.tape import Tape
+from pkgen.analysis.sensitivity.tape import Tape, ran
 from pkgen.api.prepare import Prepared
 from pkgen.record import record
 from pkgen.run import named
-from pkgen.run.library import load
 from pkgen.system.exits import NumericsFailed
 
 from .wanted import INTEGRAL, Wanted
@@ -99,16 +98,12 @@ class Shooting:
     def piece(self, z: NDArray[Any], k: int) -> Piece | None:
         """Integrates piece k; None if that fails."""
         w, run = self.wanted, self._settings(z, k)
-        done = load(run.library).run(run.settings, tape=1)
         self.runs += 1
-        if done.code or done.report.get("status") != "PK_DONE":
-            self.failed = done.messages.strip() or str(done.report.get("reason", ""))
-            return None
-        tape = Tape(run, done)
         inner = [x.format(j) for x in (BEGIN, SLOPE) for j in range(len(self.inputs))]
         by = [*self.moving, *(inner if w.linear else self.inputs), *self.parameters]
         h = run.settings.until
         try:
+            tape = ran(run)
             found = Sensitivities(tape, by, numpy.array([h]))
             started = numpy.array([tape.started(name) for name in by])
             rates = tape.ending(len(tape.rows) - 1)

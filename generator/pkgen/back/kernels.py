@@ -274,7 +274,8 @@ def kernel(name: str) -> KernelSpec:
 
     def reset(e: Equations) -> Mapping[str, Row]:
         row = e.resets[[event.kernel for event in e.model.resetting].index(name)]
-        return {"next": e.after(row)}
+        hidden = len(row) - len(e.coordinates) - len(e.inputs)  # with those of body rates
+        return {"next": (*row[: e.own], *row[hidden:])}
 
     if name.endswith("_reset"):
         says = "the motion after the event: next, all of q, then of v, then of u"

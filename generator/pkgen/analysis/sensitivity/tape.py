@@ -23,7 +23,7 @@ from ...middle.refused import refuse_statements
 from ...run import named
 from ...run.build import build_library
 from ...run.header import STATUSES
-from ...run.library import Run
+from ...run.library import Run, load
 from ...run.simulate import Runnable
 from ...system.exits import NumericsFailed, UsageError
 from ...system.near import near
@@ -61,6 +61,16 @@ def library(prepared: Runnable) -> Path:
     """Builds the library of a model whose runs keep their steps. Raises BuildError."""
     of, methods = prepared.compilation, prepared.settings.methods
     return build_library(of.files, of.model.name, *methods, diagnose=True, own=of.model.methods)
+
+
+def ran(prepared: Runnable) -> Tape:
+    """Makes the run of a model that was built by library(). Raises NumericsFailed if the run fails,
+    or an event ends it."""
+    assert prepared.library is not None
+    done = load(prepared.library).run(prepared.settings, tape=1)
+    if done.code or done.report.get("status") != "PK_DONE":
+        raise NumericsFailed(done.messages.strip() or str(done.report.get("reason", "")))
+    return Tape(prepared, done)
 
 
 class Tape:
