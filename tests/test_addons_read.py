@@ -60,7 +60,7 @@ READ = {
     """,
     "fit": """
         analysis.sensitivity.forward analysis.sensitivity.tape cli.arguments compiler front.data
-        plot.style run.library run.named run.values
+        plot.style run.named run.values
     """,
     "fmu": "front.units",
     "hosts": "graph.graph methods",
