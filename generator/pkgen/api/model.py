@@ -5,10 +5,8 @@ from __future__ import annotations
 import argparse
 import os
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,13 +26,13 @@ from ..run.ensemble import Ensemble, Settable
 from ..run.library import load as load_library
 from ..run.simulate import followed
 from ..scenes import lengths
-from ..scenes.compile_plan import whole
 from ..scenes.scene import chosen
 from ..scenes.scene import values as scene_values
 from ..scenes.swarm import Arrays
-from ..system.exits import INTERRUPTED, USAGE, NumericsFailed
+from ..system.exits import INTERRUPTED, USAGE
 from ..system.near import near
 from . import arguments
+from .analyses import Analyses, of_result
 from .arguments import Files, Names, Value, Weights, in_words
 from .controllers import Controller, Controllers
 from .errors import RunError, UsageError
@@ -43,14 +41,12 @@ from .integrator import Integrator
 from .kernels import Kernels
 from .page import Page, shown
 from .parameters import Parameters, Tables
-from .prepare import Prepared, prepare
+from .prepare import prepare
 from .result import Result
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from ..analysis.linear.plots import LinearModel
-    from .effective import EffectivePotential
     from .symbols import Symbolic, Typeset
 
 
@@ -66,16 +62,7 @@ def load(
     return Model(path, scene, {} if sizes is None else sizes, allow_path)
 
 
-@contextmanager
-def _of(result: Result) -> Iterator[None]:
-    """Raises failures of derivatives as RunError with the result of the run."""
-    try:
-        yield
-    except NumericsFailed as error:
-        raise RunError(str(error), "", result.t[-1] if len(result) else 0.0, result) from None
-
-
-class Model(Kernels):
+class Model(Kernels, Analyses):
     """A model, with one of its scenes or none. `params` has the values of its parameters.
 
     Kernels (`M`, `f`, `acceleration`, ...) are those of the whole model, without the scene's
@@ -236,22 +223,9 @@ class Model(Kernels):
             raise UsageError("sensitivity: inputs and controllers in Python have no derivatives")
         result = self._run(arguments.options(self, given), computed=computed, by=by)
         if by:
-            with in_words(), _of(result):
+            with in_words(), of_result(result):
                 result.sensitivity.moved  # noqa: B018
         return result
-
-    def gradient(self, of: str, by: Names, **more: Any) -> dict[str, float]:
-        """Returns the derivative of the last value of a column by parameters, inputs, and starts of
-        coordinates and rates, by name; "t" is a column too, for an event that ends the run. `more`
-        are arguments of `run`, without inputs and controllers in Python. The derivative is that of
-        the very steps. Raises as `run`."""
-        from ..analysis.sensitivity.gradient import gradient
-
-        arguments.checked(of=of, by=by)
-        names = arguments.several(by)
-        result = self._run(arguments.options(self, more), by=names)
-        with in_words(), _of(result):
-            return gradient(result.sensitivity.tape, of, names, result.t[-1]) if names else {}
 
     def ensemble(
         self, table: Any, until: Value | None = None, *, threads: int | None = None, **more: Any
@@ -303,19 +277,9 @@ class Model(Kernels):
             from ..analysis.sensitivity.forward import Sensitivities
             from ..analysis.sensitivity.tape import Tape
 
-            with _of(result):
+            with of_result(result):
                 result.sensitivity = Sensitivities(Tape(prepared, done), by, result.t)
         return result
-
-    def taped(self, options: argparse.Namespace) -> Prepared:
-        """Prepares a run whose steps are kept, for its derivatives."""
-        from ..analysis.sensitivity import tape
-
-        options.no_reduce = "all"
-        how = {"unroll": None, "kernels": tape.kernels()}
-        prepared = prepare(options, lambda of, **more: self._compiled(of, **{**more, **how}))
-        tape.refuse(prepared)
-        return replace(prepared, library=tape.library(prepared))
 
     @in_words()
     def exact(self, t: ArrayLike) -> dict[str, NDArray[Any]]:
@@ -341,64 +305,6 @@ class Model(Kernels):
         """Writes an interactive HTML page, NAME.html or `path`: an animation with controls of its
         parameters (`pkgen show`). A notebook shows the page. Raises UsageError."""
         return shown(self, Path(path or f"{self.name}.html"))
-
-    def equilibria(
-        self,
-        *,
-        start: Mapping[str, Value] | None = None,
-        inputs: Mapping[str, Value] | None = None,
-        tries: int = 100,
-    ) -> list[dict[str, Any]]:
-        """Returns the equilibria and the steady motions, as `pkgen equilibria --json` lists them:
-        `state`, `stable`, `frequencies`, `modes`, and by name what is steady or small. The search
-        has `tries` starts besides that of the motion; momenta of cyclic coordinates are those of
-        the start. Raises UsageError, ModelError."""
-        from ..analysis.linear import equilibria, report
-
-        with in_words():
-            options = arguments.options(self, {"start": start, "inputs": inputs})
-            options.tries = tries
-            made = self._compiled(options, unroll=None, use=whole(options))
-            found = report.record(made, equilibria.of_model(options, made))
-        return found["equilibria"]  # type: ignore[return-value]
-
-    def linearise(
-        self,
-        at: str | float = "equilibrium",
-        *,
-        want: Mapping[str, Value] | None = None,
-        start: Mapping[str, Value] | None = None,
-        inputs: Mapping[str, Value] | None = None,
-    ) -> LinearModel:
-        """Returns the linear model beside the equilibrium nearest to the start; at="trim": beside
-        the steady state at which the quantities of `want` have these values; at=2.5: beside the
-        state at this time. Raises UsageError, ModelError, RunError."""
-        from ..analysis.linear import linearise
-
-        with in_words():
-            options = arguments.options(self, {"start": start, "inputs": inputs})
-            options.at_state = at if isinstance(at, str) else f"t={at!r}"
-            options.want = [f"{k}={arguments.text(x)}" for k, x in (want or {}).items()]
-            how = {"unroll": None, "kernels": linearise.kernels(), "use": whole(options)}
-            return linearise.of_model(options, self._compiled(options, **how))
-
-    def effective_potential(
-        self,
-        *,
-        start: Mapping[str, Value] | None = None,
-        inputs: Mapping[str, Value] | None = None,
-    ) -> EffectivePotential:
-        """Returns V_eff of the coordinates that are not cyclic: its `str` is the expression, it is
-        a function of the coordinates, and `plot(name, lo, hi)` draws it. The momenta are those of
-        the start. Without cyclic coordinates it is the energy at rest. Raises UsageError,
-        ModelError."""
-        from ..analysis.linear.system import opened
-        from .effective import EffectivePotential
-
-        with in_words():
-            options = arguments.options(self, {"start": start, "inputs": inputs})
-            made = self._compiled(options, unroll=None, use=whole(options))
-            return EffectivePotential(made, opened(options, made, "effective_potential"))
 
     def integrator(
         self,
