@@ -78,10 +78,8 @@ def _number(cells: csv.Cells, row: int, column: int) -> float:
 
 
 def _units(compilation: Compilation) -> dict[str, str]:
-    kinds = [*named.kinds(compilation).values(), named.inputs(compilation)]
-    found = {item.quantity.name: item.quantity.unit for of in kinds for item in of.declared}
     time = "" if compilation.model.dimensionless else "s"
-    return found | dict.fromkeys(TIMES, time)
+    return named.units(compilation) | dict.fromkeys(TIMES, time)
 
 
 def _checked(

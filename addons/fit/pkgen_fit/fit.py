@@ -22,7 +22,7 @@ from pkgen.system.near import near
 from .data import Experiment, read
 from .fitted import Fitted
 from .problem import Problem, Unknown
-from .search import TRIES, solve
+from .search import STEPS, TRIES, local, solve
 
 ROUNDS = 4  # of fits whose weights are the residuals of the one before
 LEAST = 1e-12  # least standard deviation, relative to the data
@@ -96,15 +96,9 @@ def fitted(
             problem.scale[name] = max(rms[name], LEAST * _size(experiments, name))
         if all(abs(problem.scale[n] / before[n] - 1) < 1e-3 for n in estimated):
             break
-        x = _again(problem, x, huber)
+        again = local(problem, x, 1.0, STEPS[-1], huber)
+        x = x if again is None else again[1]
     return Fitted(problem, x, bool(estimated))
-
-
-def _again(problem: Problem, x: numpy.ndarray, huber: bool) -> numpy.ndarray:
-    from .search import STEPS, local
-
-    found = local(problem, x, 1.0, STEPS[-1], huber)
-    return x if found is None else found[1]
 
 
 def _size(experiments: Sequence[Experiment], name: str) -> float:
@@ -256,10 +250,8 @@ def _unknown(
 
 def read_number(compilation: Compilation, option: str, text: str, name: str) -> float:
     """Returns a value of a named quantity in SI."""
-    e = compilation.equations
-    units = {x.name: x.unit for x in (*e.coordinates, *e.rates, *e.states, *e.inputs)}
-    units |= {x.name: x.unit for x in e.observed_names}
-    units |= {x.quantity.name: x.quantity.unit for x in e.parameters}
-    if name not in units and name != "energy":
+    units = named.units(compilation)
+    units |= {x.quantity.name: x.quantity.unit for x in compilation.equations.parameters}
+    if name not in units:
         raise UsageError(f"{option} {name}: {near(name, [*units], 'quantity')}")
-    return Values(compilation).value(option, text, units.get(name, "J"), name)
+    return Values(compilation).value(option, text, units[name], name)

@@ -43,11 +43,9 @@ INTEGRAL = "integral_of_aim"
 
 
 def units(compilation: Compilation) -> dict[str, str]:
-    e = compilation.equations
-    found = {x.name: x.unit for x in (*e.coordinates, *e.rates, *e.states, *e.inputs)}
-    found |= {x.name: x.unit for x in e.observed_names}
+    found = named.units(compilation)
     found["t"] = "" if compilation.model.dimensionless else "s"
-    return found | {x.quantity.name: x.quantity.unit for x in e.parameters}
+    return found | {x.quantity.name: x.quantity.unit for x in compilation.equations.parameters}
 
 
 # How many ends of a range are needed.

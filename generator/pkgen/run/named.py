@@ -229,6 +229,12 @@ def kinds(compilation: Compilation) -> dict[str, Named]:
     }
 
 
+def units(compilation: Compilation) -> dict[str, str]:
+    """Returns the units of the columns of rows, without t, and of the inputs, by name."""
+    found = [*kinds(compilation).values(), inputs(compilation)]
+    return {item.quantity.name: item.quantity.unit for of in found for item in of.declared}
+
+
 def by_key(parameters: Named, values: Mapping[int, float]) -> dict[tuple[str, int | None], float]:
     """Converts values of parameters by flat index to values by (name, index in the family)."""
     found = {}

@@ -160,9 +160,8 @@ def _trim(system: System, compilation: Compilation, wanted: Mapping[str, float])
 
 
 def _wanted(options: argparse.Namespace, compilation: Compilation) -> dict[str, float]:
-    e = compilation.equations
-    units = {x.name: x.unit for x in (*e.coordinates, *e.rates, *e.states)}
-    units |= {x.name: x.unit for x in (*e.inputs, *e.observed_names)}
+    units = named.units(compilation)
+    units.pop("energy", None)
     values, found = Values(compilation), {}
     for given in options.want:
         name, text = assignment("--want", given)

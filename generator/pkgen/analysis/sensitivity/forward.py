@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+# For each kind of column that a kernel computes: the kernel, and that of its derivatives.
+KERNELS = {"observed": ("outputs", "out_d"), "energy": ("energy", "energy_d")}
+
+
 def column(tape: Tape, name: str) -> tuple[str, int]:
     """Returns the kind of a column, as in named.kinds() or "t", and its index. Raises
     UsageError."""
@@ -39,6 +43,7 @@ class Sensitivities:
         """Raises UsageError."""
         self.tape, self.by = tape, tuple(by)
         self._t = numpy.ascontiguousarray(times)
+        self._known: dict[str, NDArray[Any]] = {}
         self._starts = [tape.started(name) for name in by]
 
     @cached_property
@@ -62,47 +67,36 @@ class Sensitivities:
         at = numpy.minimum(numpy.searchsorted(rows[:, 1], self._t), len(rows) - 1)
         return rows[at, 3 + 4 * n :]
 
-    def _kernel(self, name: str) -> NDArray[Any]:
-        """Returns the derivatives that a kernel of one state writes, by rows and by `by`, of shape
-        (rows, quantities, by)."""
+    def _by_kernel(self, name: str) -> NDArray[Any]:
+        """Returns the derivatives of what a kernel writes, of shape (rows, quantities, by)."""
+        if name in self._known:
+            return self._known[name]
         n = self.tape.n
         states, D, of_t = self.moved
         q, v = states[:, :n], states[:, n:]
         found = self.tape.run.evaluate(name, self._t, q, v, self._inputs)
         J = found.reshape(len(self._t), -1, self.tape.width)
         by_t = J[:, :, 2 * n, None] * of_t[:, None, :]
-        return numpy.delete(J, 2 * n, axis=2) @ D[:, :, :-1].transpose(0, 2, 1) + by_t
-
-    @cached_property
-    def _outputs(self) -> NDArray[Any]:
-        return self._kernel("out_d")
-
-    @cached_property
-    def _energy(self) -> NDArray[Any]:
-        return self._kernel("energy_d")[:, 0]
+        self._known[name] = numpy.delete(J, 2 * n, axis=2) @ D[:, :, :-1].transpose(0, 2, 1) + by_t
+        return self._known[name]
 
     def of(self, name: str) -> NDArray[Any]:
         """Returns the derivatives of a column by all of `by`, of shape (rows, by)."""
         kind, k = column(self.tape, name)
         if kind == "t":
             return self.moved[2]
-        if kind == "observed":
-            return self._outputs[:, k]
-        if kind == "energy":
-            return self._energy
+        if kind in KERNELS:
+            return self._by_kernel(KERNELS[kind][1])[:, k]
         return self.moved[1][:, :, k + (self.tape.n if kind == "v" else 0)]
 
     def values(self, name: str) -> NDArray[Any]:
-        """Returns a column at the rows, of shape (rows,)."""
+        """Returns a column but t at the rows, of shape (rows,)."""
         kind, k = column(self.tape, name)
         n, states = self.tape.n, self.moved[0]
-        if kind == "t":
-            return self._t
         if kind in ("q", "v"):
             return states[:, k + (n if kind == "v" else 0)]
-        kernel = {"observed": "outputs", "energy": "energy"}[kind]
         given = self._t, states[:, :n], states[:, n:], self._inputs
-        return self.tape.run.evaluate(kernel, *given)[:, k]
+        return self.tape.run.evaluate(KERNELS[kind][0], *given)[:, k]
 
     def __getitem__(self, key: tuple[str, str]) -> NDArray[Any]:
         of, by = key

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy
 
-from .forward import Sensitivities, column
+from .forward import KERNELS, Sensitivities, column
 from .tape import Tape
 
 
@@ -32,10 +32,8 @@ def _at_end(tape: Tape, of: str) -> numpy.ndarray:
     elif kind == "t":
         row[n] = 1
     else:
-        name, rows = (
-            ("energy_d", 1) if kind == "energy" else ("out_d", len(tape.equations.observed))
-        )
-        row = tape.kernel(name, *tape.state(last, 1), rows)[k]
+        rows = 1 if kind == "energy" else len(tape.equations.observed)
+        row = tape.kernel(KERNELS[kind][1], *tape.state(last, 1), rows)[k]
     found = numpy.append(numpy.delete(row, n), 0.0)
     if tape.stopped:
         found += (row[:n] @ tape.ending(last) + row[n]) * tape.crossing(last)
