@@ -289,3 +289,37 @@ def test_the_page_fits_a_measured_crash(
     assert found.values["t0"] == pytest.approx(12.4, abs=0.1)
     assert found.values["w"] * 1000 / (2 * math.pi) == pytest.approx(47, abs=1)
     assert found.rms["accel"] == pytest.approx(21.84, abs=0.05)
+
+
+def test_a_long_record_of_another_frequency(tmp_path: Path) -> None:
+    """Seventy swings, where the model's own length gives forty."""
+    model = pkgen.load(written(tmp_path, PENDULUM))
+    model.params.update(l=0.33, c=0.001)
+    run = model.run(80, every=0.1)
+    model.params.update(l=1.0, c=0.05)
+    found = model.fit({"t": run.t, "theta": run["theta"]}, ["l", "c"], tries=4)
+    assert found.values == pytest.approx({"l": 0.33, "c": 0.001}, rel=1e-5)
+
+
+def test_starts_that_the_first_samples_show(tmp_path: Path) -> None:
+    """The pendulum turns over and over; from rest the search would not find that."""
+    model = pkgen.load(written(tmp_path, PENDULUM))
+    true = {"theta": 2.0, "theta'": 14.0}
+    run = model.run(4, every=0.02, start=true)
+    found = model.fit({"t": run.t, "theta": run["theta"]}, "c", [*true], tries=0)
+    assert found.values == pytest.approx({"c": 0.05} | true, rel=1e-6)
+
+
+def test_standard_deviations_of_data_are_found_from_residuals(tmp_path: Path) -> None:
+    text, true, starts, columns = MODELS["cart"]
+    model = pkgen.load(written(tmp_path, text))
+    data = measured(model, true, starts, columns, 1)
+    model.params.update(true)
+    run = model.run(4.0, start=starts, record=columns)
+    sigma = {name: 0.01 * numpy.ptp(run[name]) for name in columns}
+    model.params.update(m=1.0, k=30.0, c=0.4)
+    told = model.fit(data, [*true], [*starts], tries=0, sigma=sigma)
+    estimated = model.fit(data, [*true], [*starts], tries=0)
+    for name, one in told.parameters.items():
+        assert estimated.parameters[name].sigma == pytest.approx(one.sigma, rel=0.15)
+    assert told.chi2 / (told.samples - 5) == pytest.approx(1, abs=0.25)
