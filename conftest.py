@@ -70,7 +70,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.hookimpl(tryfirst=True)  # before -m chooses
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Marks what takes longer than `make test` has time for; keeps one shard of the long tests."""
+    """Marks what takes longer than `make test` has time for; keeps one shard of the long tests.
+
+    Shards run a third of long tables each day, `-m long` alone runs all.
+    """
     store = durations.read()
     seeded = {item.nodeid for item in items if item.get_closest_marker("seeded")}
     long = durations.slow([item.nodeid for item in items], seeded, store)
@@ -83,7 +86,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             if find_spec(f"pkgen_{name}") is None:
                 item.add_marker(pytest.mark.skip(reason=f"the add-on {name} is not here"))
     if shard := config.getoption("--shard"):
+        day = date.fromisoformat(os.environ["PKGEN_SEEDS_DATE"]).toordinal()
         slow = [item for item in items if item.get_closest_marker("long")]
+        turn = durations.of_day([item.nodeid for item in slow], day)
+        slow = [item for item in slow if item.nodeid in turn]
         marks = [(item.nodeid, item.get_closest_marker("xdist_group")) for item in slow]
         groups = {name: mark.args[0] if mark else name for name, mark in marks}
         kept = durations.shard(groups, store, *map(int, shard.split("/")))

@@ -20,6 +20,7 @@ STORE = ROOT / "tests" / "durations.json"
 QUICK, BUDGET = 2.0, 0.8  # s: of a case, of a function's cases
 SEED, SEEDS = 7.0, 3.0  # s: the same for cases by a fixed seed
 LONGEST = 7.0  # s: of a case of these
+LONG_TABLE, DAYS = 50, 3  # a function with more long cases runs a third of them each day
 KEPT = {
     "tests/test_docs.py": "examples of the docs run",
     "tests/messages/test_pages.py": "messages are read whole",
@@ -73,6 +74,15 @@ def slow(names: Iterable[str], seeds: set[str], store: Functions) -> set[str]:
             else:
                 found.add(name)
     return found
+
+
+def of_day(names: Iterable[str], day: int) -> set[str]:
+    """The names that the shards of a day run: each name has its turn within DAYS."""
+    functions = defaultdict(list)
+    for name in names:
+        functions[parted(name)[0]].append(name)
+    tables = (x[day % DAYS :: DAYS] if len(x) > LONG_TABLE else x for x in functions.values())
+    return {name for table in tables for name in table}
 
 
 def shard(groups: dict[str, str], store: Functions, number: int, count: int) -> set[str]:

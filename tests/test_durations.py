@@ -1,6 +1,6 @@
 """Which tests are quick, and how shards are made, of stores made up here."""
 
-from durations import parted, renewed, seconds_of, shard, slow
+from durations import LONG_TABLE, of_day, parted, renewed, seconds_of, shard, slow
 
 STORE = {"a.py::f": {"x": 0.3, "y": 0.4, "z": 3.0}, "a.py::g": {"": 2.5}, "a.py::h": {"0": 5.0}}
 
@@ -15,6 +15,13 @@ def test_the_shortest_cases_within_the_budget_are_quick() -> None:
     names = ["a.py::f[new]", "a.py::f[y]", "a.py::f[x]", "a.py::g", "a.py::new", "a.py::h[0]"]
     assert slow(names, set(), STORE) == {"a.py::f[new]", "a.py::g", "a.py::h[0]"}
     assert slow(names, {"a.py::h[0]"}, STORE) == {"a.py::f[new]", "a.py::g"}
+
+
+def test_long_tables_run_whole_within_three_days() -> None:
+    names = [f"a.py::f[{k}]" for k in range(2 * LONG_TABLE)] + ["a.py::g"]
+    days = [of_day(names, day) for day in (5, 6, 7)]
+    assert set().union(*days) == set(names) and sum(map(len, days)) == len(names) + 2
+    assert of_day(names[1 + LONG_TABLE :], 5) == set(names[1 + LONG_TABLE :])
 
 
 def test_shards_take_as_long_and_have_each_test_once() -> None:

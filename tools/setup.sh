@@ -151,6 +151,14 @@ any)
 *) fail "PKGEN_SETUP is registry or debian, not '$way'" ;;
 esac
 
+# IPOPT for the tests of `pkgen optimise`: without, they are skipped.
+if [ -n "$tests" ] && ! "$venv/bin/python" -c 'import cyipopt' 2>/dev/null; then
+    pkg-config --exists ipopt 2>/dev/null ||
+        (apt_install pkg-config coinor-libipopt-dev) 2>>"$log" || :
+    "$venv/bin/python" -m pip install --disable-pip-version-check --retries 1 --timeout 30 \
+        $editable '.[optimise]' >>"$log" 2>&1 || say "not to be had here: cyipopt"
+fi
+
 # Where PYTHONDONTWRITEBYTECODE is set, each start would compile a hundred modules again.
 "$venv/bin/python" -m compileall -q generator/pkgen >>"$log" 2>&1
 

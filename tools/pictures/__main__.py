@@ -70,6 +70,13 @@ COMMANDS: dict[str, tuple[list[str], str]] = {
         ["continue duffing.lag --free omega=0.5:3 --orbit start --period T --output duffing.png"],
         "duffing.png",
     ),
+    "swing_up.svg": (
+        [
+            "optimise cart_pole.lag --integral F^2 --linear --input F=-20:20 --path x=-2:2"
+            """ --end x=1 --end "x'=0" --end theta=pi --end "theta'=0" --until 2 -o swing_up.svg"""
+        ],
+        "swing_up.svg",
+    ),
     "film_double_pendulum.gif": (
         ["film models/double_pendulum.lag -o p.gif --seconds 6 --pixels 400x300"],
         "p.gif",
@@ -79,6 +86,7 @@ COMMANDS: dict[str, tuple[list[str], str]] = {
         "p.gif",
     ),
 }
+ON_PAGES = {"duffing.lag": "bifurcation", "cart_pole.lag": "optimise"}
 DRAWN = {f"{f.__name__}.png": f for f in (*classical.PICTURES, *bodies.PICTURES)}
 SEEN = {"show.png": live.still, "show.webp": live.moving}
 
@@ -88,9 +96,10 @@ def commanded(name: str) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "models").symlink_to(ROOT / "models")
         Path(folder, "regimes").symlink_to(ROOT / "tests/regimes/models")
-        page = (ROOT / "addons/bifurcation/README.md").read_text(encoding="utf-8")
-        model = page.partition("```lag\n")[2].partition("```")[0]
-        Path(folder, "duffing.lag").write_text(model, encoding="utf-8")
+        for model, addon in ON_PAGES.items():
+            page = (ROOT / "addons" / addon / "README.md").read_text(encoding="utf-8")
+            text = page.partition("```lag\n")[2].partition("```")[0]
+            Path(folder, model).write_text(text, encoding="utf-8")
         for line in lines:
             words = [sys.executable, "-m", "pkgen", *shlex.split(line)]
             done = subprocess.run(words, cwd=folder, capture_output=True, text=True)

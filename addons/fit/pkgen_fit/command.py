@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
-from pathlib import Path
 
 from pkgen.api.model import load
 from pkgen.cli import arguments as shared
+from pkgen.cli.pictures import picture_file
 from pkgen.plot import style
 from pkgen.run.values import assignment
 from pkgen.system.exits import DONE, UsageError
+from pkgen.system.files import replace
 
 from .fit import fitted, read_number
 from .search import TRIES
@@ -46,6 +47,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Fit parameters and starts to measured motions, by least squares from several starts."""
+    picture = picture_file("-o", options.o) if options.o else None
     model = load(options.model, options.scene, sizes=_sizes(options))
     inputs, of = {}, model.compilation
     for text in options.set:
@@ -77,11 +79,8 @@ def run(options: argparse.Namespace) -> int:
     tries = TRIES if options.tries is None else options.tries
     found = fitted(model, options.data, *free, known, options.huber, tries, more)
     print(json.dumps(found.record(), indent=1) if options.json else found.text(), end="")
-    if options.o:
-        kind = options.o.rpartition(".")[2]
-        if kind not in style.FORMATS:
-            raise UsageError(f"-o {options.o}: a picture ends with .{', .'.join(style.FORMATS)}")
-        Path(options.o).write_bytes(style.encoded(found.plot(), kind))
+    if picture:
+        replace({picture: style.encoded(found.plot(), picture.suffix[1:])})
     return DONE
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
-from pathlib import Path
 
 from pkgen.api.model import load
 from pkgen.cli import arguments as shared
+from pkgen.cli.pictures import picture_file
 from pkgen.plot import style
 from pkgen.run.values import assignment
 from pkgen.system.exits import DONE, UsageError
+from pkgen.system.files import replace
 from pkgen.system.near import near
 
 from .optimise import ITERATIONS, PIECES, optimised
@@ -54,9 +55,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Find inputs, parameters, starts and a duration at which a motion is best."""
+    picture = picture_file("-o", options.o) if options.o else None
     model = load(options.model, options.scene)
-    if options.o and options.o.rpartition(".")[2] not in style.FORMATS:
-        raise UsageError(f"-o {options.o}: a picture ends with .{', .'.join(style.FORMATS)}")
     inputs = {x.name for x in model.compilation.equations.inputs}
     for text in options.set:
         name, value = assignment("--set", text)
@@ -85,8 +85,8 @@ def run(options: argparse.Namespace) -> int:
         **{k: x for k, x in of_run.items() if x is not None},
     )
     print(json.dumps(found.record(), indent=1) if options.json else found.text(), end="")
-    if options.o:
-        Path(options.o).write_bytes(style.encoded(found.plot(), options.o.rpartition(".")[2]))
+    if picture:
+        replace({picture: style.encoded(found.plot(), picture.suffix[1:])})
     return DONE
 
 

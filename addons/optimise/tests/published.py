@@ -1,5 +1,15 @@
 """Models of optima that are published, or known in closed form."""
 
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import pkgen
+from conftest import written
+
+SOLVERS = ["ipopt", "slsqp"]
 BLOCK = """
 model block
 coord x
@@ -109,3 +119,15 @@ observe s_rate = (p11*L2 - p21*L1)/d
 observe foot = s + n
 observe stride = 2*l*sin((s - n)/2)
 """
+
+
+def best(tmp_path: Path, text: str, solver: str = "", **more):
+    """The optimum, whose inputs in one run lead to where its pieces lead."""
+    if solver == "ipopt":
+        pytest.importorskip("cyipopt")
+    found = pkgen.load(written(tmp_path, text)).optimise(solver=solver, **more)
+    run = found.run(rtol=1e-10)
+    for name, x in found.states.items():
+        assert run[name][0] == pytest.approx(x[0], abs=1e-12)
+        assert run[name][-1] == pytest.approx(x[-1], abs=1e-6)
+    return found
