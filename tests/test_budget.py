@@ -20,7 +20,7 @@ BUDGET = {  # area: lines, tokens
     # (150), kernels by inputs and parameters (100); their search in C went (1,610).
     # Then the effective potential (180), plots, zeros, responses of linear models (240);
     # derivatives of runs (550).
-    "generator": (68_750, 555_000),
+    "generator": (68_750, 554_500),
     # pieces, tables, samples, nearest starts, events that jump; impacts (950), noise (430); then
     # exponents of motions with impacts (290), kinks of gaps and grazes (60)
     # 50: derivatives of runs: tape, forward, backward, by differences (850)

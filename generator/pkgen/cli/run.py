@@ -19,6 +19,7 @@ from ..run.library import load
 from ..run.simulate import Outcome, sidecar, simulate
 from ..scenes import run_settings as parsing
 from ..system import addons, children
+from ..system.columns import aligned
 from ..system.exits import DONE, INTERRUPTED, LEFT, NUMERICS_FAILED
 from ..system.files import PARTIAL, Result, cut, scratch
 from ..system.progress import progress, say
@@ -134,8 +135,7 @@ def _some_rows(path: Path) -> str:
         head, *rows = list(csv.reader(file)) or [[]]
     some = rows if len(rows) <= 10 else [*rows[:5], ["…"] * len(head), *rows[-5:]]
     cells = [head, *([x if x == "…" else f"{float(x):.6g}" for x in row] for row in some)]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    lines = ["  ".join(map(str.rjust, row, widths)) for row in cells]
+    lines = aligned(cells, right=range(len(head)))
     if len(rows) > 10:
         lines.append(f"({len(rows):,} rows: -o rows.csv keeps them, --plot motion.svg draws them)")
     return "\n".join(lines)

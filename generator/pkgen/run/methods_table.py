@@ -7,6 +7,7 @@ from typing import Any
 
 from ..methods import METHODS
 from ..own.trees import MOST_ORDER
+from ..system.columns import aligned
 
 SOME = 5  # at most this many methods are named for each use
 
@@ -56,13 +57,9 @@ def methods_text(found: Sequence[Mapping[str, Any]]) -> str:
     uses = {use: names for use, names in uses.items() if names}
     rows = [HEADER, *(_row(named[n]) for names in uses.values() for n in names)]
     widths = [max(len(row[i]) for row in rows) for i in range(len(HEADER))]
-    table = ["  ".join(f"{c:<{w}}" for c, w in zip(row, widths, strict=True)) for row in rows]
-    table = [line.rstrip() for line in table]
-    table.insert(1, "  ".join("-" * w for w in widths))
-    wide = max(map(len, uses))
-    lines = [f"{use:<{wide}}  {_some(names)}" for use, names in uses.items()]
-    width = max(map(len, named))
-    docs = [f"{n:<{width}}  {named[n]['doc']}" for names in uses.values() for n in names]
+    table = aligned([rows[0], ["-" * w for w in widths], *rows[1:]])
+    lines = aligned([(use, _some(names)) for use, names in uses.items()])
+    docs = aligned([(n, str(named[n]["doc"])) for names in uses.values() for n in names])
     return "\n".join([*lines, "", *table, "", NOTE, *docs])
 
 

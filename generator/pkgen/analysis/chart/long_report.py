@@ -10,9 +10,9 @@ from pathlib import Path
 from ...plot import methods, style
 from ...plot.names import label
 from ...plot.style import Look
+from ...system.columns import aligned
 from .labels import Label, place
 from .long import Drifting, Long
-from .text import aligned
 
 MOST = 6  # largest number of methods whose drift is drawn in one panel
 HEADINGS = ("method", "constant", "steps", "largest drift", "growth")

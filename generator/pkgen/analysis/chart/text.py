@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Collection, Sequence
 
+from ...system.columns import aligned
 from .answer import Answer
 from .chart import Chart
 from .points import Track
@@ -144,16 +144,3 @@ def _lined(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
     has a sentence in the third cell and no further cells."""
     rows = [row if row[3] else row[:3] for row in rows]
     return aligned([headings, *rows], right=(4, 5, 6))
-
-
-def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> list[str]:
-    """Returns the rows as lines with aligned columns, those in `right` at the right. A row with
-    fewer cells than the first does not widen its columns."""
-    whole = [row for row in rows if len(row) == len(rows[0])]
-    widths = [max(map(len, column)) for column in zip(*whole, strict=True)]
-    lines = []
-    for row in rows:
-        cells = enumerate(zip(row, widths, strict=False))
-        shown = (x.rjust(w) if i in right else x.ljust(w) for i, (x, w) in cells)
-        lines.append("  ".join(shown).rstrip())
-    return lines

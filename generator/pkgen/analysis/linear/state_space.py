@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy
 from numpy import linalg
 
+from ...system.columns import aligned
 from ...system.exits import UsageError
 
 if TYPE_CHECKING:
@@ -157,15 +158,9 @@ class Linear:
             ("D", self.D, self.outputs, self.inputs),
         ):
             if matrix.size:
-                table = [[name, *columns]]
-                table += [
-                    [row, *(f"{x:.10g}" for x in values)]
-                    for row, values in zip(rows, matrix, strict=True)
-                ]
-                widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-                lines += [
-                    "  ".join(x.rjust(w) for x, w in zip(row, widths, strict=True)) for row in table
-                ]
+                cells = [[f"{x:.10g}" for x in values] for values in matrix]
+                table = [[name, *columns], *([r, *c] for r, c in zip(rows, cells, strict=True))]
+                lines += aligned(table, right=range(len(table[0])))
         lines.append("poles: " + ", ".join(f"{z:.10g}" for z in self.poles))
         lines.append("at " + ", ".join(f"{k} = {x:.10g}" for k, x in self.state.items()))
         if self.inputs:

@@ -170,7 +170,7 @@ class Tape:
         e, n = self.equations, self.n
         found = numpy.flatnonzero(self.rows[:-1, 2])
         switch = self.rows[found, 2].astype(int) - 1 - len(e.events)
-        if not len(found) or (switch < 0).all():
+        if (switch < 0).all():
             return found.tolist()
         of = self.rows[found]
         q, v, u = numpy.split(of[:, 3 + 2 * n :], [n, 2 * n], axis=1)

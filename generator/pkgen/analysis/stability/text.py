@@ -7,7 +7,7 @@ import io
 import math
 
 from ...run import named
-from ..chart.text import aligned
+from ...system.columns import aligned
 from ..linear.rest import Equilibrium, Mode
 from .ask import TRIES
 from .map import StabilityMap
