@@ -35,9 +35,9 @@ from .accuracy_chart import Chart, Way
 from .chosen import chosen
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
+sys.path.insert(0, str(ROOT / "tests"))
 
-from tests.accuracy.cases import CASES, SCENE, Case  # noqa: E402
+from accuracy.cases import CASES, SCENE, Case  # noqa: E402
 
 RATIO = 1.5  # times the cheapest: to be reached
 MARK = "<!-- python -m bench accuracy --docs -->\n"

@@ -16,12 +16,11 @@ from pathlib import Path
 from .kept_models import MODELS
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT), str(ROOT / "tests/cli"), str(ROOT / "tests/fuzz")]
+sys.path[:0] = [str(ROOT / "tests" / x) for x in ("", "cli", "fuzz")]
 
+from accuracy.cases import CASES, SCENE  # noqa: E402
 from bent_models import PLACES, ROOTS, model  # noqa: E402
 from test_reductions_random import system  # noqa: E402
-
-from tests.accuracy.cases import CASES, SCENE  # noqa: E402
 
 ACCURACIES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 BOUND = re.compile(r"^\s*(rotation|constraint|rolling) ", re.M)  # its starts are not free

@@ -42,6 +42,8 @@ def group() -> dict[str, object]:
         if _ended:
             raise NumericsFailed("interrupted")
         if _keeper is None or _keeper.poll() is not None:
+            if _keeper and _keeper.stdin:
+                _keeper.stdin.close()
             none = subprocess.DEVNULL
             _keeper = subprocess.Popen(
                 ["/bin/sh", "-c", KEEPER],

@@ -13,12 +13,11 @@ from .tape import Tape
 def gradient(tape: Tape, of: str, by: Sequence[str], t: float) -> dict[str, float]:
     """Returns the derivatives of the value at the end t of the run, by name. Raises UsageError,
     NumericsFailed."""
-    starts = numpy.array([tape.started(name) for name in by]).reshape(len(by), tape.width)
     slope = tape.backward(_at_end(tape, of)) if len(tape.rows) else None
     if slope is None:
         found = Sensitivities(tape, by, numpy.array([t])).of(of)[-1]
     else:
-        found = starts @ slope
+        found = [tape.started(name) @ slope for name in by]
     return dict(zip(by, map(float, found), strict=True))
 
 
