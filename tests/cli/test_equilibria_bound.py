@@ -66,7 +66,7 @@ def test_random_pendulums_rest_as_one_of_an_angle(seed: int) -> None:
     ends = [e.q for e in found[ROD].equilibria]
     assert ends == [pytest.approx((0, k * of["l"]), abs=1e-9 * of["l"]) for k in (-1, 1)]
     # Only where it turns about the vertical is there a continuum.
-    assert [[e.slack for e in rest.equilibria] for rest in found.values()] == [
+    assert [[e.nullity for e in rest.equilibria] for rest in found.values()] == [
         [0, 0],
         [0, 0],
         [1, 1],
@@ -106,7 +106,7 @@ def test_what_goes_round_keeps_its_momentum(seed: int) -> None:
 def test_a_free_body_rests_anywhere() -> None:
     for a in (1.0, 1.7):
         (e,) = asker(FREE.format(a=a)).rest().equilibria
-        assert e.slack == 3 and e.verdict == "one of a continuum" and not e.stable
+        assert e.nullity == 3 and e.verdict == "one of a continuum" and not e.stable
         assert e.v[:3] == (0, 0, 0) and all(m.rate == 0 for m in e.modes)
 
 
@@ -115,7 +115,7 @@ def test_a_degenerate_place_is_no_continuum() -> None:
         "model flat\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential y\nstart x = 0.5, y = 0.0625\n"
     )
     (e,) = asker(text + "constraint wire: y = x^4\n").rest().equilibria
-    assert e.slack == 0 and e.verdict == "not decided by the linear terms"
+    assert e.nullity == 0 and e.verdict == "not decided by the linear terms"
 
 
 @pytest.mark.parametrize("text", [ROD, SPHERE, PIVOT])
@@ -152,4 +152,4 @@ def test_a_continuum_is_named(tmp_path) -> None:
     found = mapped(tmp_path, PIVOT.format(l=1, g=9.81), *words)
     assert any("equilibria 1, 2 are each one of a continuum" in said for said in found["remarks"])
     assert any("R all around" in said for said in found["remarks"])
-    assert [e["slack"] for e in found["equilibria"]] == [1, 1]
+    assert [e["nullity"] for e in found["equilibria"]] == [1, 1]

@@ -42,7 +42,7 @@ class Equilibria(Problem):
         one.momenta = one.system.kernel("free momenta", 0.0, one.system.begun)
         begun = one.fields.start[None]
         one.conserved = [(s, one.fields.momentum(s, begun)) for s, _ in one.conserved]
-        one.known, one.doubts, one.slacks = [], [], []
+        one.known, one.errors, one.nullities = [], [], []
         return one
 
     def parts(self, x: numpy.ndarray) -> tuple[numpy.ndarray, float]:

@@ -41,7 +41,7 @@ class Analyses:
         """Returns the derivative of the last value of a column by parameters, inputs, and starts of
         coordinates and rates, by name; "t" is a column too, for an event that ends the run. `more`
         are arguments of `run`, without inputs and controllers in Python. The derivative is that of
-        the very steps. Raises as `run`."""
+        the numerical solution. Raises as `run`."""
         from ..analysis.sensitivity.gradient import gradient
 
         arguments.checked(of=of, by=by)
@@ -53,9 +53,10 @@ class Analyses:
     def taped(self, options: argparse.Namespace) -> Prepared:
         """Prepares a run whose steps are kept, for its derivatives."""
         from ..analysis.sensitivity import tape
+        from ..back.kernels import all_but
 
         options.no_reduce = "all"
-        how = {"unroll": None, "kernels": tape.kernels()}
+        how = {"unroll": None, "kernels": all_but("out_x", "out_u", "out_p")}
         prepared = prepare(options, lambda of, **more: self._compiled(of, **{**more, **how}))
         tape.refuse(prepared)
         return replace(prepared, library=tape.library(prepared))
@@ -92,12 +93,13 @@ class Analyses:
         the steady state at which the quantities of `want` have these values; at=2.5: beside the
         state at this time. Raises UsageError, ModelError, RunError."""
         from ..analysis.linear import linearise
+        from ..back.kernels import all_but
 
         with in_words():
             options = arguments.options(self, {"start": start, "inputs": inputs})
             options.at_state = at if isinstance(at, str) else f"t={at!r}"
             options.want = [f"{k}={arguments.text(x)}" for k, x in (want or {}).items()]
-            how = {"unroll": None, "kernels": linearise.kernels(), "use": whole(options)}
+            how = {"unroll": None, "kernels": all_but("r_p", "out_p"), "use": whole(options)}
             return linearise.of_model(options, self._compiled(options, **how))
 
     def effective_potential(

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from ..equations import Equations, Hamiltonian, Row
 from ..graph.graph import ZERO
 from ..middle.derive.sensitivity import JACOBIANS, MOVING
-from ..middle.motion import LINEAR_OF_FEW
+from ..middle.motion import LINEAR_OF_FEW, PARTICLES
 from .kernel_spec import KernelSpec, pivot_checks
 from .targets import Target
 
@@ -261,6 +261,11 @@ _SPECS = (
 KERNELS: dict[str, KernelSpec] = {spec.name: spec for spec in _SPECS}
 OF_FLIGHT = ("acceleration", "canonical", "event")
 KERNELS = {f"{name}_free": _of_flight(name) for name in OF_FLIGHT} | KERNELS
+
+
+def all_but(*names: str) -> frozenset[str]:
+    """Returns the kernels in q and v without `names` and the one of particles."""
+    return frozenset(KERNELS) - CANONICAL - {PARTICLES, *names}
 
 
 def kernel(name: str) -> KernelSpec:

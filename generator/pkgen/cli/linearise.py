@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..analysis.linear import linearise
 from ..analysis.linear.plots import KINDS, LinearModel, picture
+from ..back.kernels import all_but
 from ..run.values import Values
 from ..scenes.compile_plan import whole
 from ..system.exits import DONE, UsageError
@@ -44,7 +45,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Print A, B, C, D of dx/dt = A x + B u, y = C x + D u, their names and the poles."""
     _refuse(options)
-    how = {"unroll": None, "kernels": linearise.kernels(), "use": whole(options)}
+    how = {"unroll": None, "kernels": all_but("r_p", "out_p"), "use": whole(options)}
     compilation = compile_within_limits(options, **how)
     found = linearise.of_model(options, compilation)
     if options.period is not None:

@@ -64,11 +64,9 @@ def kernels(names: tuple[str, ...]) -> frozenset[str] | None:
 
     The kernel `linear` of a large model, and the kernel PARTICLES, are included only if requested.
     """
-    from ..back.kernels import CANONICAL, KERNELS
+    from ..back.kernels import all_but
 
-    wanted = frozenset(KERNELS) - CANONICAL
-    if not OF_PARTICLES.intersection(names):
-        wanted -= {PARTICLES}
+    wanted = all_but() | ({PARTICLES} if OF_PARTICLES.intersection(names) else set())
     if not LINEARISED.intersection(names):
         wanted = wanted - {"linear"} | {LINEAR_OF_FEW}
     return wanted if {"linear", PARTICLES} & wanted or OF_ALL_KERNELS.intersection(names) else None

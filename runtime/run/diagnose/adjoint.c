@@ -1,5 +1,5 @@
-/* The derivative of one number of a run by everything, backwards through the steps of the tape. The
- * stages of each step are computed again. Explicit Runge-Kutta methods have
+/* The gradient of one number at the end of a run, by the discrete adjoint method: backwards through
+ * the steps of the tape, whose stages are computed again. Explicit Runge-Kutta methods have
  *
  *     Y_i = y + h sum a_ij F(Y_j),   y1 = y + h sum b_i F(Y_i),
  *     l_i = h (b_i lambda1 + sum_j a_ji m_j),   m_i = F'(Y_i)^T l_i,   lambda = lambda1 + sum m_i,
@@ -13,6 +13,7 @@
 
 /* largest number of stages */
 enum { MOST = 24 };
+_Static_assert(MOST >= PK_MOST_STAGES, "explicit methods fit");
 
 struct adjoint {
     struct pk_run *run;
@@ -86,7 +87,7 @@ static void runge_kutta(struct adjoint *x, const struct pk_tableau *table, const
         if (rates(x, t + table->c[i] * h, Y, x->k + (size_t)i * n2))
             x->status = PK_SINGULAR_MASS;
     }
-    /* a points behind the last row; x->l has m_i */
+    /* `a` points past the last row; x->l has m_i */
     for (int i = s; i-- > 0;) {
         pk_real *const l = x->l + (size_t)s * n2, *const m = x->l + (size_t)i * n2;
         for (size_t k = 0; k < n2; k++)

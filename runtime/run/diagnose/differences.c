@@ -82,8 +82,8 @@ static pk_real *parameter(const struct differences *d, size_t k)
     return (pk_real *)(void *)((char *)d->params + of->offset);
 }
 
-/* Returns the factor by which a displacement is small. */
-static pk_real small(struct differences *d, const pk_real *row, const struct shift *shift)
+/* Returns the factor that scales a displacement to the step of differences. */
+static pk_real scaled(struct differences *d, const pk_real *row, const struct shift *shift)
 {
     const struct pk_system *system = d->problem.system;
     const pk_real h = d->run->settings.options.h > 0 ? d->run->settings.options.h
@@ -104,7 +104,7 @@ static pk_real small(struct differences *d, const pk_real *row, const struct shi
     return most > 0 ? PART / most : PART;
 }
 
-/* Makes a step from (d->q, d->v) at t0 to t. `moved`: constraints are to hold at the start. */
+/* Makes a step from (d->q, d->v) at t0 to t. `moved`: the start is projected onto the constraints. */
 static enum pk_status step(struct differences *d, size_t row, pk_real t0, pk_real t, int moved)
 {
     struct pk_integrator *it = &d->it;
@@ -133,7 +133,7 @@ enum pk_status differences_step(struct differences *d, size_t row, pk_real t)
     return step(d, row, at[TAPE_T0], t, 0);
 }
 
-/* Makes the jump of the event at the end of a step, by what acts in the run, which has ended. */
+/* Makes the jump of the event at the end of a step, by the actor of the run. */
 static enum pk_status act(struct differences *d, size_t row, pk_real t)
 {
     struct pk_actor *actor = &d->run->actor;
@@ -154,7 +154,7 @@ static enum pk_status act(struct differences *d, size_t row, pk_real t)
     pk_copy(d->q, it->q, d->n_q);
     pk_copy(d->v, it->v, d->n);
     const pk_real *after = tape_row(tape, row + 1) + TAPE_STATE + 4 * d->n;
-    for (size_t k = 0; k < contacts->n; k++) { /* a neighbour that goes on otherwise */
+    for (size_t k = 0; k < contacts->n; k++) { /* a neighbour has other contacts */
         const size_t mode = contacts->table[k].mode;
         if (pk_abs(d->u[mode] - after[mode]) > 0)
             return PK_NO_CONTACT;
@@ -167,7 +167,7 @@ enum pk_status differences_find(struct differences *d, size_t row, pk_real t,
 {
     static const pk_real offset[] = {-2, -1, 1, 2}, weight[] = {1, -8, 8, -1};
     const struct pk_system *system = d->problem.system;
-    const pk_real *at = tape_row(d->run->tape, row), by = small(d, at, shift);
+    const pk_real *at = tape_row(d->run->tape, row), by = scaled(d, at, shift);
     const size_t n = d->n, m = system->n_inputs;
     if (!d->it.own) /* begins on the constraints, which a displacement leaves */
         PK_TRY(differences_step(d, row, at[TAPE_T0]));

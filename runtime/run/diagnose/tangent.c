@@ -38,7 +38,8 @@ static void make(struct tangent *x)
     x->wide = 2 * x->n + x->m + 1;
     x->du = memory_take(&run->memory, x->columns * x->m + 1, sizeof *x->du);
     x->along = memory_take(&run->memory, 2 * x->n, sizeof *x->along);
-    /* `linear` omits the derivatives of r_p; in implicit methods Newton's iteration alone reads it. */
+    /* The kernel `linear` omits the derivatives of r_p. Implicit methods use it in Newton's iteration
+     * alone; the result of explicit methods would be wrong. */
     const unsigned traits = s->method->traits;
     const int reads = traits & PK_EXACT || (traits & (PK_LINEAR | PK_IMPLICIT)) == PK_LINEAR;
     x->exact = !system->constraints.n && !system->n_rotations && !(traits & PK_NOISE) && !reads &&

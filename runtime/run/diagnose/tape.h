@@ -33,16 +33,15 @@ static inline const pk_real *tape_row(const struct tape *tape, size_t k)
     return tape->rows + k * tape->width;
 }
 
-/* Returns whether the end of a step to t is at a given time. The other steps have a given length,
- * so that they shift with the start. */
+/* Returns whether a step to t ends at a given time, as adaptive and shortened steps do. Other steps
+ * have a given length: their ends shift with their starts. */
 int tape_is_cut(const struct pk_run *run, const pk_real *row, pk_real t);
 
-/* A displacement of a step: dq and dv of its start (n numbers each), of the inputs, of the
- * parameters, and of the times of its start and its end; D NULL: of the times only. */
+/* A displacement of a step. */
 struct shift {
-    const double *D;
-    pk_real t0, t1;
-    int jumps; /* whether the jump at the end of the step is meant, not the step */
+    const double *D; /* dq and dv of its start (n numbers each), inputs, parameters; NULL: none */
+    pk_real t0, t1;  /* shifts of its start and its end */
+    int jumps;       /* the jump at the end of the step is differentiated, not the step */
 };
 
 void differences_make(struct differences *d, struct pk_run *run);

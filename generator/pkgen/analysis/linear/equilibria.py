@@ -25,27 +25,28 @@ from .system import System, floats, opened
 
 TRIES = 100  # starts of the search, besides the start of the motion
 MOST_TRIES = 100_000
-MOST = 32  # equilibria that are returned
-FURTHEST = 1e6  # an equilibrium farther away, in boxes, is none
-ROUNDS, POLISH, AGAIN = 200, 60, 40  # Newton's iterations; at a root; searches from a start
+MOST = 32  # largest number of equilibria returned
+FURTHEST = 1e6  # largest distance of an equilibrium, in boxes
+# Newton's iterations in the search, and at a root; searches from one start.
+ROUNDS, POLISH, AGAIN = 200, 60, 40
 EXACT_FLAT = 1e-15  # as FLAT, where derivatives are exact
-MORE = 8  # starts for each equilibrium found, or more
-SMALL = 1e-12  # the iteration ends when its correction is smaller, in units of reach()
-HELD, NEAR = 2e-10, 1e-4  # at a root the equations hold, and the last correction is small
-FAR, UNDERFLOWN = 3, 1e-290  # in boxes; derivatives so small there are of no root
+MORE = 8  # least number of starts for each equilibrium found
+SMALL = 1e-12  # the iteration ends at a smaller correction, in units of reach()
+HELD, NEAR = 2e-10, 1e-4  # largest residual, and largest last correction, at a root
+FAR, UNDERFLOWN = 3, 1e-290  # beyond FAR boxes smaller derivatives are underflow, not a root
 ASIDE = 1e-2  # length of a step along a continuum, in units of reach()
 
 
 class Search(Steady):
-    """A search. `known` are the unknowns z of each equilibrium found, `doubts` the last corrections
-    of Newton's method, `slacks` the dimensions of the continua."""
+    """A search. `known` are the unknowns z of each equilibrium found, `errors` the last corrections
+    of Newton's method, `nullities` the dimensions of the continua."""
 
     def __init__(self, system: System, symmetries: Sequence[Symmetry] = (), cyclic: bool = True):
         """Without `cyclic`, cyclic coordinates have to rest too."""
         super().__init__(system, symmetries, cyclic)
         self.known: list[numpy.ndarray] = []
-        self.doubts: list[numpy.ndarray] = []
-        self.slacks: list[int] = []
+        self.errors: list[numpy.ndarray] = []
+        self.nullities: list[int] = []
         self.failed = self.singular = 0
 
     def _least(self, gap: numpy.ndarray, slopes: numpy.ndarray) -> tuple[numpy.ndarray, ...]:
@@ -70,15 +71,15 @@ class Search(Steady):
         return z
 
     def _polished(self, z: numpy.ndarray) -> numpy.ndarray:
-        """Returns the unknowns after some more iterations. Those that are much smaller than the box
-        become 0, since their squares would underflow."""
+        """Returns the unknowns after some more iterations. Unknowns much smaller than the box are
+        set to 0, since their squares would underflow."""
         z = self.newton(z[None], POLISH, False)[0]
         z = numpy.where(abs(z) > 1e-40 * self.box, z, 0.0)
         z[self.body_rates] = 0
         return z
 
     def _correction(self, z: numpy.ndarray) -> tuple[numpy.ndarray, int, numpy.ndarray] | None:
-        """Returns of a root Newton's next correction, the number of singular values that are 0, and
+        """Returns Newton's next correction at a root, the number of singular values that are 0, and
         the direction of the least one; None if z is no root. The test of the correction excludes
         points on the way to infinity, where forces tend to 0."""
         (gap,), (slopes,), (good,) = self.linear(z[None])
@@ -90,7 +91,7 @@ class Search(Steady):
             return None
         return step, int(flat.sum()), directions[-1]
 
-    def _goes_on(self, z: numpy.ndarray, along: numpy.ndarray) -> bool:
+    def _is_on_continuum(self, z: numpy.ndarray, along: numpy.ndarray) -> bool:
         """Returns whether a root is on a continuum of roots: from beside it, Newton's method does
         not come back."""
         reach = self.reach(z)
@@ -115,7 +116,7 @@ class Search(Steady):
     def _is_listed(self, z: numpy.ndarray) -> bool:
         return any(abs(self.apart(one, z)).max() <= NEAR for one in self.known)
 
-    def _is_known(self, z: numpy.ndarray, slack: int) -> bool:
+    def _is_known(self, z: numpy.ndarray, nullity: int) -> bool:
         """Returns whether z is a known root, or on the same continuum as one: their energies are
         equal, or with constraints on rates their eigenvalues."""
         if self._is_listed(z):
@@ -123,8 +124,8 @@ class Search(Steady):
         given, h = self.system.given, self.energy(z)
         energies = [self.energy(one) for one in self.known]
         size = max(map(abs, (h, self.energy(self.start), *energies)))
-        for one, energy, other in zip(self.known, energies, self.slacks, strict=True):
-            if not slack or not other:
+        for one, energy, other in zip(self.known, energies, self.nullities, strict=True):
+            if not nullity or not other:
                 continue
             if self.moving and given["constraints"] > given["holonomic"]:
                 return True  # the one nearest to the start stands for them
@@ -153,17 +154,17 @@ class Search(Steady):
         if found is None:
             self.failed += first
             return
-        step, slack, along = found
+        step, nullity, along = found
         if not self.system.bound and not self._is_definite(root):
             self.singular += first
             return
-        if slack and not self._goes_on(root, along):
+        if nullity and not self._is_on_continuum(root, along):
             # An isolated root is known less accurately where it is flat.
-            slack, step = 0, ASIDE * along / 100
-        if not self._is_known(root, slack):
+            nullity, step = 0, ASIDE * along / 100
+        if not self._is_known(root, nullity):
             self.known.append(root)
-            self.doubts.append(step * self.reach(root))
-            self.slacks.append(slack)
+            self.errors.append(step * self.reach(root))
+            self.nullities.append(nullity)
 
     def run(self, tries: int) -> bool:
         """Searches from the start and from `tries` other points or more, again while new roots are
@@ -193,7 +194,7 @@ def rest(system: System, tries: int = TRIES, symmetries: Sequence[Symmetry] = ()
     search = Search(system, symmetries)
     more = search.run(tries)
     found = []
-    for z, doubt, slack in zip(search.known, search.doubts, search.slacks, strict=True):
+    for z, error, nullity in zip(search.known, search.errors, search.nullities, strict=True):
         z[abs(z) < 1e-15 * search.box] = 0
         z[search.turns] -= TURN * numpy.ceil(z[search.turns] / TURN - 0.5 - 1e-8)
         for Q in quaternions(z[search.quaternions]):
@@ -203,11 +204,11 @@ def rest(system: System, tries: int = TRIES, symmetries: Sequence[Symmetry] = ()
         if math.isfinite(energy) and (abs(z - search.middle) <= FURTHEST * search.box).all():
             speeds = z[system.n :]
             moving = list(zip(speeds, search.moving, strict=True))
-            status, modes_of = modes.settled(system, state, doubt[: system.n], moving)
+            status, modes_of = modes.settled(system, state, error[: system.n], moving)
             q, v = floats(system.q(state)), floats(system.v(state))
             # The energy of a model that is judged by distances is not used.
             h = 0.0 if system.by_norm else energy
-            at = Equilibrium(q, v, h, tuple(modes_of), status, slack, floats(speeds))
+            at = Equilibrium(q, v, h, tuple(modes_of), status, nullity, floats(speeds))
             found.append((energy, at))
     found.sort(key=lambda x: x[0])
     fastest = max((m.rate for _, e in found for m in e.modes), default=0.0)

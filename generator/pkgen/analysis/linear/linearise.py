@@ -1,8 +1,8 @@
 """The linear model dx/dt = A x + B u, y = C x + D u of small changes beside a state.
 
-x has coordinates, first-order variables and rates. With constraints or rotations there are as many
-x as the motion has freedoms: a choice of these numbers on which the others depend well. T has the
-dependence of all on x, a basis of the tangent space of what the constraints allow.
+x has coordinates, first-order variables and rates. With constraints or rotations, x is a
+well-conditioned choice of independent numbers, one for each degree of freedom. The columns of T
+span the tangent space of the constraints.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ import numpy
 from numpy import linalg
 
 from ...compiler import Compilation
-from ...middle.motion import PARTICLES
 from ...run import named
 from ...run.values import Values, assignment
 from ...system.exits import NumericsFailed, UsageError
@@ -171,17 +170,10 @@ def _wanted(options: argparse.Namespace, compilation: Compilation) -> dict[str, 
     return found
 
 
-def kernels() -> frozenset[str]:
-    """Returns the kernels with which a model is compiled for its linear models."""
-    from ...back.kernels import CANONICAL, KERNELS
-
-    return frozenset(KERNELS) - CANONICAL - {PARTICLES, "r_p", "out_p"}
-
-
 def of_model(options: argparse.Namespace, compilation: Compilation) -> LinearModel:
-    """Returns the linear model at options.at, "equilibrium", "trim" or "t=…"; options.want has what
-    a trim is asked for. The compilation has kernels(). Raises UsageError, ModelError, BuildError,
-    NumericsFailed."""
+    """Returns the linear model at options.at, "equilibrium", "trim" or "t=…"; options.want has the
+    wanted values of a trim. The compilation has all kernels but r_p and out_p. Raises UsageError,
+    ModelError, BuildError, NumericsFailed."""
     at, wanted = options.at_state, _wanted(options, compilation)
     system = opened(options, compilation, "pkgen linearise")
     if wanted and at != "trim":

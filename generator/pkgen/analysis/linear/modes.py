@@ -58,18 +58,18 @@ def modes(
 def settled(
     system: System,
     state: numpy.ndarray,
-    doubt: numpy.ndarray,
+    error: numpy.ndarray,
     moving: Sequence[Moving] = (),
 ) -> tuple[str, list[Mode]]:
-    """Returns the status and the modes, with lambda = 0 for spurious modes. `doubt` estimates the
+    """Returns the status and the modes, with lambda = 0 for spurious modes. `error` estimates the
     error of the equilibrium `state`. If linear terms vanish at the exact equilibrium, their values
     at `state` are proportional to this error. Therefore a mode is spurious if its lambda changes
-    when `state` is moved by `doubt`."""
+    when `state` is moved by `error`."""
     status, found = modes(system, state, moving)
     by_rate = numpy.arange(system.n) >= system.m
     by_rate[system.given["cyclic"]] = True
     moved = state + numpy.concatenate(
-        [numpy.where(by_rate, 0, doubt), numpy.where(by_rate, doubt, 0)]
+        [numpy.where(by_rate, 0, error), numpy.where(by_rate, error, 0)]
     )
     known, others = modes(system, moved, moving)
     if known != "PK_DONE":

@@ -7,8 +7,8 @@ of each, if all forces come from L and L has no terms of first degree in the rat
 The equilibrium is chosen as follows. If the run starts at rest at an equilibrium, it is this one.
 Otherwise it is a minimum of the potential below the energy of the motion: the nearest one for which
 the potential on the straight line from the start stays below this energy; else the nearest one.
-Without any, it is the nearest unstable equilibrium. Of other models it is the nearest equilibrium
-or steady motion, a stable one if there is any.
+Without any, it is the nearest unstable equilibrium. For other models it is the nearest equilibrium
+or steady motion; stable ones come first.
 """
 
 from __future__ import annotations

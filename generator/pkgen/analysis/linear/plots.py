@@ -46,7 +46,7 @@ def picture(linear: Linear, kind: str, pairs: Sequence[tuple[str, str]] = ()) ->
 
 
 def poles(linear: Linear) -> Picture:
-    """Returns the poles, with those that no input reaches and those that no output shows."""
+    """Returns all poles, the uncontrollable and the unobservable ones."""
     A, B, C, _ = linear
     sets = {"pole": linear.poles, "uncontrollable": _left(A, B), "unobservable": _left(A.T, C.T)}
     lines = [

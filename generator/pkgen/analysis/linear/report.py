@@ -83,7 +83,7 @@ def record(compilation: Compilation, rest: Rest) -> dict[str, object]:
             "verdict": at.verdict,
             "energy": at.energy,
             "frequencies": [m.frequency for m in at.modes if m.frequency > 0],
-            "continuum": at.slack,
+            "continuum": at.nullity,
             "modes": [_mode(mode, unknowns) for mode in at.modes],
         }
         words = {**steady, **_small(compilation, at, steady)}

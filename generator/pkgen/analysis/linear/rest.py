@@ -36,7 +36,7 @@ class Equilibrium:
     energy: float
     modes: tuple[Mode, ...]  # the fastest first
     status: str = "PK_DONE"  # status of the computation of modes
-    slack: int = 0  # dimension of the continuum of equilibria that contains this one
+    nullity: int = 0  # dimension of the continuum of equilibria that contains this one
     speeds: tuple[float, ...] = ()  # along each symmetry in Rest.moving
 
     @property
@@ -58,7 +58,7 @@ class Equilibrium:
         if self._grows:
             return "unstable"
         if any(mode.rate == 0 for mode in self.modes):
-            return "one of a continuum" if self.slack else UNDECIDED
+            return "one of a continuum" if self.nullity else UNDECIDED
         return "stable"
 
     @property

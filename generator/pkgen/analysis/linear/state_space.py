@@ -1,4 +1,4 @@
-"""A linear model with the names of its states, inputs and outputs, and what others take of it."""
+"""A linear model with the names of its states, inputs and outputs, and its exports."""
 
 from __future__ import annotations
 
@@ -47,11 +47,11 @@ class Linear:
         return found[numpy.lexsort((found.imag, found.real))]
 
     def controllability(self) -> tuple[int, NDArray[Any]]:
-        """Returns the number of controllable freedoms, and the matrix (B, A B, A^2 B, ...)."""
+        """Returns the dimension of the controllable subspace, and (B, A B, A^2 B, ...)."""
         return _reached(self.A, self.B)
 
     def observability(self) -> tuple[int, NDArray[Any]]:
-        """Returns the number of observable freedoms, and the matrix (C; C A; C A^2; ...)."""
+        """Returns the dimension of the observable subspace, and (C; C A; C A^2; ...)."""
         rank, matrix = _reached(self.A.T, self.C.T)
         return rank, matrix.T
 
@@ -111,7 +111,7 @@ class Linear:
         i, j = self.places(output, input)
         return self.A, self.B[:, j : j + 1], self.C[i : i + 1], self.D[i : i + 1, j : j + 1]
 
-    # -- for others ---------------------------------------------------------------------------
+    # -- export -------------------------------------------------------------------------------
 
     def discrete(self: Kind, period: float) -> Kind:
         """Returns the model of samples every `period` seconds, between which inputs are held."""
@@ -180,7 +180,7 @@ class Linear:
 
 
 def _reached(A: NDArray[Any], B: NDArray[Any]) -> tuple[int, NDArray[Any]]:
-    """Returns how many freedoms B reaches, and the matrix (B, A B, A^2 B, ...)."""
+    """Returns the dimension of the states that B reaches, and the matrix (B, A B, A^2 B, ...)."""
     columns = [B]
     for _ in range(len(A) - 1):
         columns.append(A @ columns[-1])

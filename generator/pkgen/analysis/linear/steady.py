@@ -1,8 +1,8 @@
 """The equations of equilibria and steady motions, and the region in which they are sought.
 
-Cyclic coordinates may turn: they have constant rates, and the momenta of the start. All other
-coordinates rest. The unknowns are a number for each entry of v: the coordinate, or for cyclic
-coordinates and first-order variables the entry of v itself. The equations are, for
+Cyclic coordinates have constant rates, and the momenta of the start. All other coordinates rest.
+The unknowns are a number for each entry of v: the coordinate, or for cyclic coordinates and first-
+order variables the entry of v itself. The equations are, for
 
     a coordinate          force_i = 0, of a model with rotations or constraints a_i = 0
     a cyclic coordinate   p_i = its value at the start
@@ -12,7 +12,7 @@ coordinates and first-order variables the entry of v itself. The equations are, 
     the constraints       phi = 0, J v + j0 = 0
 
 With other symmetries (symmetries.py) there is a speed along each, which adds to the rates and the
-accelerations. Its momentum is that of the start where it is conserved. If all commute, the place
+accelerations. Its momentum is that of the start where it is conserved. If all commute, the position
 along each is that of the start.
 """
 
@@ -226,10 +226,10 @@ class Steady:
 
     def apart(self, known: numpy.ndarray, z: numpy.ndarray) -> numpy.ndarray:
         """Returns z - known in boxes; angles by the shorter way, Q and -Q are the same."""
+        z, known = numpy.broadcast_arrays(z, known)
         d = z - known
         d -= self.turns * TURN * numpy.round(d / TURN)
-        R = quaternions((z - d)[..., self.quaternions])
-        Q = quaternions((z + 0 * d)[..., self.quaternions])
+        R, Q = (quaternions(x[..., self.quaternions]) for x in (known, z))
         opposite = (Q * R).sum(-1, keepdims=True) < 0
         d[..., self.quaternions] = numpy.where(opposite, Q + R, Q - R).reshape(
             d[..., self.quaternions].shape
@@ -259,9 +259,9 @@ class Steady:
     def _slopes(self, z: numpy.ndarray) -> numpy.ndarray | None:
         """Returns the derivatives of the equations, of shape (states, rows, n), if the kernels have
         them: differences tell little beside a root where the linear terms vanish."""
-        system, n, states = self.system, self.system.n, self.states(z)
         if not self.is_exact:
             return None
+        system, n, states = self.system, self.system.n, self.states(z)
         found = system.kernel("momentum jacobian", 0.0, states)
         p_q, f_q, f_v = found.reshape(-1, 3, n, n).transpose(1, 0, 2, 3)
         M = system.kernel("mass", 0.0, states).reshape(-1, n, n)

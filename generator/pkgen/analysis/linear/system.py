@@ -57,7 +57,7 @@ class System:
         self.start = numpy.array([*given["q"], *unread, *given["v"]], float)  # None becomes NaN
         self.begun = numpy.where(numpy.isnan(self.start), 0.0, self.start)
         n, m = self.n, self.m
-        # Of a state the numbers in use, first as (q, v), and then as (unknowns, rates).
+        # Indices of the entries of a state in use, in the order (q, v), and (unknowns, rates).
         self.used = numpy.array([*range(m), *range(n, 2 * n)])
         self.unknowns_first = numpy.array([*range(m), *range(n + m, 2 * n), *range(n, n + m)])
         self.until = settings.until

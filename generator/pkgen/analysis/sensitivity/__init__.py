@@ -1,1 +1,1 @@
-"""Derivatives of runs by parameters, starts and inputs, through the very steps of a run."""
+"""Derivatives of runs by parameters, starts and inputs, exact for the numerical solution."""

@@ -1,8 +1,8 @@
 """A run whose steps are kept, and small displacements of it.
 
-A displacement is a vector (dq, dv, du, dp, dt): of the state (n numbers each, as in C), of the
-inputs, of the parameters, and of the times of fixed steps after an event. C propagates it through
-the steps (runtime/run/diagnose/tangent.c); here it passes the jumps between them, by the saltation
+A displacement is a vector (dq, dv, du, dp, dt): n numbers each of coordinates and rates, then
+inputs, parameters, and the shift of the fixed steps after an event. C propagates it through the
+steps (runtime/run/diagnose/tangent.c); here it passes the jumps between them, by the saltation
 matrix.
 
 Reference: P. C. Müller, Chaos, Solitons and Fractals 5 (1995) 1671 (saltation).
@@ -35,14 +35,6 @@ MULTISTEP = ("gsl_msadams", "gsl_msbdf")  # a single step of these cannot be rep
 GRAZES = 1e-6  # a crossing at a rate below this, relative to the motion, grazes
 
 
-def kernels() -> frozenset[str]:
-    """Returns the kernels with which a model is compiled for derivatives of its runs."""
-    from ...back.kernels import CANONICAL, KERNELS
-    from ...middle.motion import PARTICLES
-
-    return frozenset(KERNELS) - CANONICAL - {PARTICLES, "out_x", "out_u", "out_p"}
-
-
 def refuse(prepared: Runnable) -> None:
     """Raises UsageError or ModelError if there are no derivatives of the run."""
     refuse_statements(prepared.compilation.declared, "sensitivity")
@@ -65,7 +57,7 @@ def library(prepared: Runnable) -> Path:
 
 def ran(prepared: Runnable) -> Tape:
     """Makes the run of a model that was built by library(). Raises NumericsFailed if the run fails,
-    or an event ends it."""
+    or an event ends it: fits and optima need the whole run."""
     assert prepared.library is not None
     done = load(prepared.library).run(prepared.settings, tape=1)
     if done.code or done.report.get("status") != "PK_DONE":
@@ -165,8 +157,8 @@ class Tape:
 
     @cached_property
     def _jumps(self) -> list[int]:
-        """The rows that end with a jump. Where switches depend on t alone, as at the knots of a
-        table, neighbours cross at the same time, so that nothing jumps."""
+        """The rows that end with a jump. Rows at a switch that depends on t alone are left out, as
+        at the knots of a table: neighbours cross at the same time."""
         e, n = self.equations, self.n
         found = numpy.flatnonzero(self.rows[:-1, 2])
         switch = self.rows[found, 2].astype(int) - 1 - len(e.events)

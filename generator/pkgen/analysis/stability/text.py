@@ -211,7 +211,7 @@ def remarks(made: StabilityMap) -> list[str]:
     ]
     if bound:
         found.append(f"with {' and '.join(bound)} resonances, cycles and ghosts are not sought")
-    going = [str(k + 1) for k, e in enumerate(rest.equilibria) if e.slack]
+    going = [str(k + 1) for k, e in enumerate(rest.equilibria) if e.nullity]
     if going:
         many = len(going) > 1
         found.append(
