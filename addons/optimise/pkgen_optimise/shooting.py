@@ -132,7 +132,7 @@ class Shooting:
         """Returns an output at the end, and its derivatives by what begins and by the time."""
         e = tape.equations
         k = [x.name for x in e.observed_names].index(name)
-        row = tape.kernel("out_d", *tape.state(len(tape.rows) - 1, 1), len(e.observed))[k]
+        row = tape.kernel("out_d", len(tape.rows) - 1, 1)[k]
         n = 2 * tape.n
         return found.values(name)[0], found.of(name)[0], float(row[:n] @ rates + row[n])
 

@@ -63,9 +63,8 @@ class Sensitivities:
     @cached_property
     def _inputs(self) -> NDArray[Any]:
         """The inputs at the rows; events may set them."""
-        rows, n = self.tape.rows, self.tape.n
-        at = numpy.minimum(numpy.searchsorted(rows[:, 1], self._t), len(rows) - 1)
-        return rows[at, 3 + 4 * n :]
+        ends = self.tape.rows[:, 1]
+        return self.tape.inputs[numpy.minimum(ends.searchsorted(self._t), len(ends) - 1)]
 
     def _by_kernel(self, name: str) -> NDArray[Any]:
         """Returns the derivatives of what a kernel writes, of shape (rows, quantities, by)."""

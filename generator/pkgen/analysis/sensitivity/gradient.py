@@ -31,8 +31,7 @@ def _at_end(tape: Tape, of: str) -> numpy.ndarray:
     elif kind == "t":
         row[n] = 1
     else:
-        rows = 1 if kind == "energy" else len(tape.equations.observed)
-        row = tape.kernel(KERNELS[kind][1], *tape.state(last, 1), rows)[k]
+        row = tape.kernel(KERNELS[kind][1], last, 1)[k]
     found = numpy.append(numpy.delete(row, n), 0.0)
     if tape.stopped:
         found += (row[:n] @ tape.ending(last) + row[n]) * tape.crossing(last)

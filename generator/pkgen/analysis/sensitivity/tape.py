@@ -76,32 +76,31 @@ class Tape:
         self.equations = e = of.program.equations  # with first-order variables as rates
         self.n, self.m, self.p = len(e.force), len(e.inputs), len(e.parameters)
         self.width = 2 * self.n + self.m + self.p + 1
-        self.rows = self._rows()
-        held = [j for j in sorted(self._flags) if (self.rows[:, 3 + 2 * self.n + j] != 0).any()]
-        if held:
-            t = self.rows[(self.rows[:, 3 + 2 * self.n + held[0]] != 0).argmax(), 0]
+        width = 3 + 4 * self.n + self.m
+        self.rows = numpy.zeros((run._c.pk_run_tape(run._run, None), width))
+        run._c.pk_run_tape(run._run, _pointer(self.rows))
+        self.begun, self.ended, self.inputs = numpy.split(
+            self.rows[:, 3:], [2 * self.n, 4 * self.n], axis=1
+        )
+        held = self.inputs[:, [j - 2 * self.n for j in self._flags]].any(axis=1)
+        if held.any():
+            t = self.rows[held.argmax(), 0]
             raise NumericsFailed(
                 f"at t = {t:.10g} a contact holds: derivatives pass impacts, and no lasting contact"
             )
         method = known(of.model.methods)[prepared.settings.method]
         self.fixed = "adaptive" not in method.traits
 
-    def _rows(self) -> NDArray[Any]:
-        tape, run = self.run._c.pk_run_tape, self.run._run
-        rows = numpy.zeros((tape(run, None), 3 + 4 * self.n + self.m))
-        tape(run, _pointer(rows))
-        return rows
-
     def state(self, k: int, end: int) -> tuple[float, NDArray[Any], NDArray[Any], NDArray[Any]]:
         """Returns t, q, v and u at the start or the end of a row."""
-        row, n = self.rows[k], self.n
-        q, v = row[3 + 2 * n * end : 3 + 2 * n * (1 + end)].reshape(2, n)
-        return row[end], q, v, row[3 + 4 * n :]
+        q, v = (self.ended if end else self.begun)[k].reshape(2, -1)
+        return self.rows[k, end], q, v, self.inputs[k]
 
-    def kernel(self, name: str, t: Any, q: Any, v: Any, u: Any, rows: int) -> NDArray[Any]:
-        """Returns a Jacobian of `rows` rows at one state, by (q, v, t, u, p)."""
-        found = self.run.evaluate(name, t, *map(numpy.atleast_2d, (q, v, u)))
-        return found.reshape(rows, -1) if rows else numpy.zeros((0, self.width))
+    def kernel(self, name: str, k: int, end: int, columns: int = 0) -> NDArray[Any]:
+        """Returns a Jacobian at the start or the end of a row, by (q, v, t, u, p)."""
+        t, *of = self.state(k, end)
+        found = self.run.evaluate(name, t, *map(numpy.atleast_2d, of))
+        return found.reshape(-1, columns or self.width)
 
     def rates(self, k: int, end: int) -> NDArray[Any]:
         """Returns (q', v') at the start or the end of a row."""
@@ -142,11 +141,11 @@ class Tape:
 
     @cached_property
     def _defaults(self) -> NDArray[Any]:
-        return self.kernel("default_p", *self.state(0, 0), self.p)
+        return self.kernel("default_p", 0, 0, self.p)
 
     @cached_property
     def _starts(self) -> NDArray[Any]:
-        return self.kernel("start_p", *self.state(0, 0), 2 * self.n)
+        return self.kernel("start_p", 0, 0, self.p)
 
     # -- jumps ----------------------------------------------------------------------------------
 
@@ -164,9 +163,8 @@ class Tape:
         switch = self.rows[found, 2].astype(int) - 1 - len(e.events)
         if (switch < 0).all():
             return found.tolist()
-        of = self.rows[found]
-        q, v, u = numpy.split(of[:, 3 + 2 * n :], [n, 2 * n], axis=1)
-        slopes = self.run.evaluate("switch_d", of[:, 1], q, v, u)
+        at = self.rows[found, 1], *numpy.split(self.ended[found], 2, axis=1), self.inputs[found]
+        slopes = self.run.evaluate("switch_d", *at)
         rows = slopes.reshape(len(found), len(e.switches), -1)[numpy.arange(len(found)), switch]
         rows[:, 2 * n] = 0
         return found[(switch < 0) | rows.any(axis=1)].tolist()
@@ -174,32 +172,30 @@ class Tape:
     @cached_property
     def _rate_scale(self) -> NDArray[Any]:
         """The largest size of each of (q', v') in the motion."""
-        n = self.n
         took = numpy.maximum(self.rows[:, 1] - self.rows[:, 0], 1e-300)[:, None]
-        moved = self.rows[:, 3 + 2 * n : 3 + 4 * n] - self.rows[:, 3 : 3 + 2 * n]
-        return abs(moved / took).max(axis=0, initial=0.0)
+        return abs((self.ended - self.begun) / took).max(axis=0, initial=0.0)
 
     def crossing(self, k: int) -> NDArray[Any]:
         """Returns the derivative of the time of the crossing at the end of a row, by a displacement
         there. Raises NumericsFailed at a grazing."""
-        e, mark, at = self.equations, int(self.rows[k][2]), self.state(k, 1)
+        e, (_, t, mark) = self.equations, self.rows[k, :3]
         events = len(e.events)
         if mark < 0:
             raise NumericsFailed(
-                f"at t = {at[0]:.10g} several events come at once: the motion has no derivative "
+                f"at t = {t:.10g} several events come at once: the motion has no derivative "
                 "there, since another start parts them"
             )
         is_event = mark <= events
-        name, rows = ("event_d", events) if is_event else ("switch_d", len(e.switches))
         of = e.event_names if is_event else [x.quantity for x in e.switches]
-        which = mark - 1 - (0 if is_event else events)
-        row, f = self.kernel(name, *at, rows)[which], self.ending(k)
+        which = int(mark) - 1 - (0 if is_event else events)
+        row = self.kernel("event_d" if is_event else "switch_d", k, 1)[which]
+        f = self.ending(k)
         n = 2 * self.n
         rate = row[:n] @ f + row[n]
         size = abs(row[:n]) @ self._rate_scale + abs(row[n])
         if not abs(rate) > GRAZES * size:
             raise NumericsFailed(
-                f"at t = {at[0]:.10g} the motion grazes {of[which].name}: it has no derivative "
+                f"at t = {t:.10g} the motion grazes {of[which].name}: it has no derivative "
                 "there, since a neighbour may not cross"
             )
         return numpy.append(-numpy.delete(row, n) / rate, 0.0)
