@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy
@@ -17,17 +17,19 @@ from pkgen.system.exits import UsageError
 from .family import Family
 from .flow import Flow
 from .orbits import TURN, Orbits
-from .polynomials import LEAST, MOST, points
+from .polynomials import LEAST_INTERVALS, MOST_INTERVALS, points
 from .problem import Node, Path, Seed
 
-LATER = (0, 500, 5000)  # steps after which a motion with friction may be near an orbit
-FURTHEST = 4000  # steps among which a return is looked for
-NEAR, FINE = 0.2, 40  # distance of a return, in units of the motion's extent; points of a step
-SMALL = 1e-2  # amplitude of a first small orbit, in units of the box
-CENTRE = 1e-7  # growth of an oscillation, relative to its frequency, that counts as 0
+LATER_STEPS = (500, 5000)  # steps after which a motion with friction may be near an orbit
+RETURN_STEPS = 4000  # steps among which a return is looked for
+RETURN_NEAR = 0.2  # distance of a return, in units of the motion's extent
+POINTS_A_STEP = 40  # points of a step at which a return is looked for
+AMPLITUDE = 1e-2  # of a first small orbit, in units of the box
+CENTRE_GROWTH = 1e-7  # growth of an oscillation, relative to its frequency, that counts as 0
+NONE_FOUND = "no periodic orbit was found near the start; --period has about its period"
 
 
-def period(family: Family, text: str | None) -> float | Callable[[float], float] | None:
+def _period(family: Family, text: str | None) -> float | Callable[[float], float] | None:
     """Returns --period: a number, or a function of the parameter. Raises UsageError."""
     known = named.parameters(family.compilation)
     if text is not None and text in known:
@@ -60,7 +62,7 @@ def _checked(flow: Flow, of: float | Callable[[float], float] | None) -> Callabl
 def _motion(flow: Flow, system: System, state: numpy.ndarray, until: float):
     """Returns times, states and rates of the motion, a row a step."""
     it = system.begin(EXACT, state, rtol=1e-9)
-    rows = it.steps(until, FURTHEST)
+    rows = it.steps(until, RETURN_STEPS)
     if it.failed:
         raise UsageError(f"the motion ends at t = {it.t:g} ({it.status}): no orbit begins there")
     t, z = numpy.append(0.0, rows[:, 0]), numpy.concatenate([state[None], rows[:, 1:]])
@@ -75,7 +77,7 @@ def _return(flow: Flow, system: System, state: numpy.ndarray) -> float | None:
     t, z, rates = _motion(flow, system, state, 1e300)
     for count in (50, 100, 200, 400, 800, 1600, len(t)):  # later the motion may be far away
         t1, z1, rates1 = t[:count], z[:count], rates[:count]
-        of_step = numpy.linspace(0, len(t1) - 1, FINE * len(t1))
+        of_step = numpy.linspace(0, len(t1) - 1, POINTS_A_STEP * len(t1))
         fine = numpy.interp(of_step, numpy.arange(len(t1)), t1)
         along = CubicHermiteSpline(t1, z1, rates1)(fine)
         scale = numpy.ptp(along, axis=0)
@@ -88,7 +90,7 @@ def _return(flow: Flow, system: System, state: numpy.ndarray) -> float | None:
         first = int((far > 0.5 * far.max(initial=0.0)).argmax())
         if not used.any():
             raise UsageError("the start is at rest: no orbit begins there")
-        least = (far[1:-1] < far[:-2]) & (far[1:-1] <= far[2:]) & (far[1:-1] < NEAR)
+        least = (far[1:-1] < far[:-2]) & (far[1:-1] <= far[2:]) & (far[1:-1] < RETURN_NEAR)
         near = 1 + numpy.flatnonzero(least)
         near = near[near > first]
         if near.size:
@@ -96,54 +98,71 @@ def _return(flow: Flow, system: System, state: numpy.ndarray) -> float | None:
     return None
 
 
-def _later(system: System, state: numpy.ndarray, steps: int, period: float | None):
-    """Returns the state after so many steps or more, at a multiple of the forcing's period; None if
-    the motion ends before."""
-    it = system.begin(EXACT, state, rtol=1e-9)
-    it.steps(1e300, steps)
-    if period:
-        it.to(math.ceil(it.t / period) * period)
-    return None if it.failed else it.state
+def _states(system: System, later: Sequence[int], period: float | None) -> Iterator:
+    """Yields the start, and states after so many steps or more, at multiples of the forcing's
+    period, until the motion ends."""
+    state = system.begun
+    yield state
+    for steps in later:
+        it = system.begin(EXACT, state, rtol=1e-9)
+        it.steps(1e300, steps)
+        if period:
+            it.to(math.ceil(it.t / period) * period)
+        if it.failed:
+            return
+        state = it.state
+        yield state
 
 
 def from_start(family: Family, text: str | None) -> list[Seed]:
     """Returns the orbit near the start. Raises UsageError."""
     flow = Flow(family)
     value = family.range[0] if family.name is None else family.own()
-    system, of = family.system(value), period(family, text)
-    if flow.forced:
-        of = _checked(flow, of)
-    elif callable(of):
-        of = of(value)
-    about = of(value) if callable(of) else of
-    state, away = system.begun, False
-    for later in LATER[: 1 if flow.conservative and not flow.forced else None]:
-        if later:
-            state = _later(system, state, later, about if flow.forced else None)
-        T = state is not None and (about or _return(flow, system, state))
-        away = away or T is None
-        found = _orbit(flow, system, state, of if flow.forced else T, T, value) if T else None
-        if found is not None:
-            problem, seed = found
-            low, high = family.range
-            if not low <= seed.value <= high:
-                raise UsageError(
-                    f"--free {family.title}: the orbit at the start has {seed.value:.10g}, "
-                    "which FROM:TO is to contain"
-                )
-            return [Seed(problem, seed)]
-    if away:
-        raise UsageError("the motion does not come back to its start: --period has about its time")
-    raise UsageError("no periodic orbit was found near the start; --period has about its period")
+    made = _forced_start if flow.forced else _free_start
+    problem, seed = made(flow, _period(family, text), value)
+    low, high = family.range
+    if not low <= seed.value <= high:
+        raise UsageError(
+            f"--free {family.title}: the orbit at the start has {seed.value:.10g}, "
+            "which FROM:TO is to contain"
+        )
+    return [Seed(problem, seed)]
 
 
-def _orbit(flow, system, state, of, T: float, value: float) -> tuple[Orbits, Node] | None:
-    t, _, _ = _motion(flow, system, state, T)
-    if len(t) < 4 or t[-1] < T:
+def _forced_start(flow: Flow, period, value: float) -> tuple[Orbits, Node]:
+    """Returns an orbit with the period of the forcing. Raises UsageError."""
+    period, system = _checked(flow, period), flow.family.system(value)
+    T = period(value)
+    for state in _states(system, LATER_STEPS, T):
+        if found := _orbit(flow, state, period, T, value):
+            return found
+    raise UsageError(NONE_FOUND)
+
+
+def _free_start(flow: Flow, period, value: float) -> tuple[Orbits, Node]:
+    """Returns an orbit whose period is not known. Raises UsageError."""
+    system, all_return = flow.family.system(value), True
+    guess = period(value) if callable(period) else period
+    for state in _states(system, () if flow.conservative else LATER_STEPS, None):
+        T = guess or _return(flow, system, state)
+        all_return &= T is not None
+        if T and (found := _orbit(flow, state, T, T, value)):
+            return found
+    if all_return:
+        raise UsageError(NONE_FOUND)
+    raise UsageError("the motion does not come back to its start: --period has about its time")
+
+
+def _orbit(flow: Flow, state, period, T: float, value: float) -> tuple[Orbits, Node] | None:
+    """Returns the orbit near the motion from a state in the time T."""
+    system = flow.family.system(value)
+    times, _, _ = _motion(flow, system, state, T)
+    if len(times) < 4 or times[-1] < T:
         return None
     # The steps of the motion are as long as its errors allow.
-    count = min(MOST, max(LEAST, 2 * len(t)))
-    grid = numpy.interp(numpy.linspace(0, len(t) - 1, count + 1), numpy.arange(len(t)), t / T)
+    count = min(MOST_INTERVALS, max(LEAST_INTERVALS, 2 * len(times)))
+    of_step = numpy.linspace(0, len(times) - 1, count + 1)
+    grid = numpy.interp(of_step, numpy.arange(len(times)), times / T)
     it, guess = system.begin(EXACT, state, rtol=1e-12), []
     for time in points(grid) * T:
         it.to(time)
@@ -151,7 +170,7 @@ def _orbit(flow, system, state, of, T: float, value: float) -> tuple[Orbits, Nod
     guess = numpy.array(guess)
     if it.failed:
         return None
-    problem = Orbits(flow, grid, guess, of, value)
+    problem = Orbits(flow, grid, guess, period, value)
     if flow.conservative and not flow.forced and flow.family.name is not None:
         problem.energy0 = float(flow.energies(system, guess[:1])[0])
     x, row = problem.begun, numpy.zeros(len(problem.of))
@@ -163,10 +182,10 @@ def _orbit(flow, system, state, of, T: float, value: float) -> tuple[Orbits, Nod
     x = found[0]
     along = numpy.zeros(len(x))
     along[problem.of] = row if flow.family.name is not None else problem.energy_row(x)
-    t = problem.tangent(x, along)
+    tangent = problem.tangent(x, along)
     try:
         for _ in range(2):
-            x, t = problem.adapted(x, t)
+            x, tangent = problem.adapted(x, tangent)
     except ArithmeticError:
         return None
     row = numpy.append(numpy.zeros(len(problem.of) - 1), row[-1:])
@@ -174,8 +193,7 @@ def _orbit(flow, system, state, of, T: float, value: float) -> tuple[Orbits, Nod
     found = problem.correct(x, row, last * row[-1])
     if found is None:
         return None
-    x, t = found[0], problem.tangent(found[0], t)
-    seed = problem.node(x, t)
+    seed = problem.node(found[0], problem.tangent(found[0], tangent))
     if seed is None or seed.about["period"] < 0.2 * T:
         return None
     problem.slack = problem.slack_at(seed)
@@ -191,21 +209,21 @@ def _units(flow: Flow, box: numpy.ndarray) -> numpy.ndarray:
 def small(family: Family, flow: Flow, system: System, state, value: float, width, which=None):
     """Returns small orbits about an equilibrium, one for each oscillation that does not grow."""
     z = state[flow.where]
-    A = flow.slopes(system, numpy.zeros(1), z[None])[0]
+    A = flow.jacobian(system, numpy.zeros(1), z[None])[0]
     values, shapes = numpy.linalg.eig(A)
     found = []
     for k in numpy.argsort(-values.imag):
         omega = values[k].imag
-        if omega <= 0 or (which is None and abs(values[k].real) > CENTRE * omega):
+        if omega <= 0 or (which is None and abs(values[k].real) > CENTRE_GROWTH * omega):
             continue
         if which is not None and abs(values[k] - which) > 1e-4 * abs(which):
             continue
         units = numpy.where(flow.among >= system.n, width * omega, width)
         shape = shapes[:, k] / (abs(shapes[:, k] / units).max())
-        grid = numpy.linspace(0, 1, LEAST + 1)
+        grid = numpy.linspace(0, 1, LEAST_INTERVALS + 1)
         turn = numpy.exp(2j * numpy.pi * points(grid))[:, None]
         wave = (shape * turn).real
-        problem = Orbits(flow, grid, z + SMALL * wave, 2 * numpy.pi / omega, value, units)
+        problem = Orbits(flow, grid, z + AMPLITUDE * wave, 2 * numpy.pi / omega, value, units)
         to = problem._packed(wave[:-1], 0.0, family.range[0])
         row = to[problem.of] / numpy.linalg.norm(to[problem.of])
         at = problem.correct(problem.begun, row, float(row @ problem.begun[problem.of]))

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import groupby, pairwise
 from pathlib import Path as FilePath
 from typing import Any
 
-import numpy
-
-from .problem import Path, Problem
+from .problem import Path
 
 
 @dataclass(frozen=True)
@@ -141,10 +138,6 @@ def _ranges(points: Sequence[Point]) -> str:
     return "stable " + ", ".join(f"from {a:.6g} to {b:.6g}" for a, b in ends)
 
 
-def stable(problem: Problem, values: numpy.ndarray) -> bool:
-    return problem.grows(values) == 0
-
-
 def made(kind: str, paths: Sequence[Path], sets: tuple[str, ...]) -> list[Branch]:
     """Returns paths as branches."""
     found = []
@@ -153,8 +146,8 @@ def made(kind: str, paths: Sequence[Path], sets: tuple[str, ...]) -> list[Branch
             Point(
                 value=float(n.value),
                 state=n.about["state"],
-                stable=stable(path.problem, n.values),
-                values=tuple(complex(z) for z in sorted(n.values, key=lambda z: -_size(z))),
+                stable=path.problem.count_unstable(n.values) == 0,
+                values=tuple(complex(z) for z in sorted(n.values, key=abs, reverse=True)),
                 energy=n.about.get("energy"),
                 period=n.about.get("period"),
                 extents=n.about.get("extents", {}),
@@ -166,7 +159,3 @@ def made(kind: str, paths: Sequence[Path], sets: tuple[str, ...]) -> list[Branch
         begins = path.origin.kind if path.origin else ""
         found.append(Branch(kind, tuple(points), tuple(path.ended), begins))
     return found
-
-
-def _size(z: complex) -> float:
-    return math.hypot(z.real, z.imag)

@@ -30,15 +30,16 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.as_of_a_run(parser)
     shared.of_a_state(parser)
     text = """
-        --period   T     of an orbit: about its value, or a parameter that has it
+        --period   T     first guess of the period; with a periodic forcing: its period
         --section  EVENT orbits as fixed points of the map from one such event to the next
-        --close    a=b,… of --section: starts, and what has their values again at the event
-        --output   FILE  a picture: FILE.svg, FILE.png or FILE.pdf
+        --close    a=b,… of --section: starts or parameters, and what has their values again
         --show     NAME  state on the picture, or period (default: the first)
     """
     help_ = "a parameter or input and its range, or of an orbit the energy"
     parser.add_argument("--free", metavar="NAME=FROM:TO", help=help_)
     shared.rows(parser, text)
+    help_ = "a picture: FILE.svg, FILE.png or FILE.pdf"
+    parser.add_argument("-o", "--output", metavar="FILE", help=help_)
     help_ = "periodic orbits from the motion of the start, from small ones about an equilibrium, "
     help_ += "or from each Hopf bifurcation of the equilibria"
     parser.add_argument("--orbit", choices=("start", "centre", "hopf"), help=help_)
@@ -51,10 +52,10 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError("give a parameter and its range: --free NAME=FROM:TO")
     picture = options.output and Path(options.output)
     if picture and picture.suffix not in PICTURES:
-        raise UsageError(f"--output {picture}: the file's name must end in .svg, .png or .pdf")
+        raise UsageError(f"-o {picture}: the file's name must end in .svg, .png or .pdf")
     if options.show and not picture:
-        raise UsageError("--show is of a picture: --output FILE.svg")
-    _runs(options)
+        raise UsageError("--show is of a picture: -o FILE.svg")
+    _keep_free(options)
     found = of_compiled(options, compile_within_limits(options, unroll=None, use=whole(options)))
     if picture:
         found.plot(picture, options.show)
@@ -62,8 +63,9 @@ def run(options: argparse.Namespace) -> int:
     return DONE
 
 
-def _runs(options: argparse.Namespace) -> None:
-    """Sets the parameter, so that no scene makes it a constant. The energy is none."""
+def _keep_free(options: argparse.Namespace) -> None:
+    """Adds the free parameter to --set, so that a scene does not fold it to a constant. `energy` is
+    no parameter."""
     name, low, _ = asked(options.free)
     given = [x.partition("=")[0].strip() for x in options.set]
     options.own_set = options.set
@@ -77,18 +79,15 @@ def of_model(model: Any, free: str, range: tuple[Any, Any], **more: Any) -> Bran
     kinds = ("orbit", "period", "section", "close")
     if unknown := more.keys() - {*kinds}:
         raise TypeError(f"branches() has no argument {sorted(unknown)[0]!r}")
-    with of_api_words():
+    with of_api.in_words():
         options = of_api.options(model, given)
         low, high = (of_api.text(x) for x in range)
         options.free = f"{free}={low}:{high}"
         for name in kinds:
             value = more.get(name)
             setattr(options, name, value if value is None else of_api.text(value))
-        _runs(options)
+        _keep_free(options)
         return of_compiled(options, model._compiled(options, unroll=None, use=whole(options)))
-
-
-of_api_words = of_api.in_words
 
 
 @numpy.errstate(all="ignore")

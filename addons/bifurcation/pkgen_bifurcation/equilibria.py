@@ -49,24 +49,22 @@ class Equilibria(Problem):
         low, _ = self.family.range
         return x[:-1] * self.scale, low + float(x[-1]) * self.family.width
 
-    def value(self, x: numpy.ndarray) -> float:
-        return self.parts(x)[1]
-
     def _linear(self, x: numpy.ndarray) -> Linear | None:
         z, value = self.parts(x)
         try:
-            (gap,), (slopes,), (good,) = self.steady(value).linear(z[None])
+            (residual,), (jacobian,), (good,) = self.steady(value).linear(z[None])
             low, high = self.family.beside(value)
             a, b = (self.steady(p).equations(z[None])[0] for p in (low, high))
         except UsageError:  # the parameter is out of its bounds
             return None
         by_value = (b - a) / (high - low) * self.family.width / self.rows
         units = self.search.scale / self.rows
-        slopes = slopes * units[:, None] / self.search.reach(z) * self.scale
-        slopes, gap = numpy.concatenate([slopes, by_value[:, None]], 1), gap * units
-        if not good or not numpy.isfinite(slopes).all():
+        jacobian = jacobian * units[:, None] / self.search.reach(z) * self.scale
+        jacobian, residual = numpy.concatenate([jacobian, by_value[:, None]], 1), residual * units
+        if not good or not numpy.isfinite(jacobian).all():
             return None
-        return Linear(gap, slopes, lambda step, _: step, float(abs(gap).max(initial=0.0)))
+        size = float(abs(residual).max(initial=0.0))
+        return Linear(residual, jacobian, lambda step, _: step, size)
 
     def node(self, x: numpy.ndarray, t: numpy.ndarray) -> Node | None:
         z, value = self.parts(x)
@@ -104,7 +102,7 @@ class Equilibria(Problem):
         low, width = self.family.range[0], self.family.width
         starts = [numpy.append(z / self.scale, (value - low) / width) for z, value in roots]
         starts = [x for x in starts if self.linear(x) is not None]
-        sizes = numpy.max([abs(self.linear(x).slopes).max(1) for x in starts], axis=0)
+        sizes = numpy.max([abs(self.linear(x).jacobian).max(1) for x in starts], axis=0)
         self.rows, self.last = numpy.where(sizes > 0, sizes, 1.0), (None,) * 3
         found = []
         for x in starts:

@@ -15,8 +15,8 @@ from pkgen.system.exits import UsageError
 from pkgen.system.near import unknown
 
 ENERGY = "energy"
-BESIDE = 2e-5  # step of differences by the parameter, in units of the range
-# Statements that are known of equilibria, of orbits, of return maps.
+PARAMETER_STEP = 2e-5  # step of differences by the parameter, in units of the range
+# Kinds of statements accepted for equilibria, orbits and return maps.
 RUNS = {
     "": ("samples", "noises"),
     "orbit": (),
@@ -62,7 +62,6 @@ class Family:
         self.range, self.width = (low, high), high - low
         kind = "section" if options.section else "orbit" if options.orbit else ""
         self.first = opened(self._at(low), compilation, "pkgen continue", RUNS[kind])
-        self.bound = self.first.bound
         self.system = lru_cache(maxsize=32)(self._system)
         if not self.first.is_steady() and compilation.structure.autonomous:
             raise UsageError("the inputs depend on time: continuation has constant ones")
@@ -95,7 +94,7 @@ class Family:
 
     def beside(self, value: float) -> tuple[float, float]:
         """Returns two values at which differences are taken; both are in the range."""
-        by, (low, high) = BESIDE * self.width, self.range
+        by, (low, high) = PARAMETER_STEP * self.width, self.range
         return max(low, value - by), min(high, value + by)
 
     def _influences(self) -> None:
@@ -115,9 +114,9 @@ class Family:
             for a, b in zip(one, found[0], strict=True)
         )
         if same and all((x == starts[0]).all() for x in starts):
-            raise UsageError(self.idle())
+            raise UsageError(self.without_influence())
 
-    def idle(self) -> str:
+    def without_influence(self) -> str:
         return f"--free {self.title}: the motion does not depend on it"
 
     def names(self) -> list[str]:

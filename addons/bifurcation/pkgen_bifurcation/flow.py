@@ -39,7 +39,7 @@ class Flow:
         whole = numpy.concatenate([states[:, n : n + m], a[:, m:], a[:, :m]], 1)
         return whole[:, self.among]
 
-    def slopes(self, system: System, t: numpy.ndarray, z: numpy.ndarray) -> numpy.ndarray:
+    def jacobian(self, system: System, t: numpy.ndarray, z: numpy.ndarray) -> numpy.ndarray:
         """Returns the derivatives of rates() by z."""
         n, m = system.n, system.m
         by = system.kernel("jacobian", t, self.states(system, z)).reshape(-1, 2, n, n)

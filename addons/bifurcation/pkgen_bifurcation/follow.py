@@ -23,12 +23,12 @@ import numpy
 from .problem import Node, Path, Problem, Seed
 
 MOST_POINTS, MOST_BRANCHES = 1000, 24
-EASY = 4  # few iterations
-FIRST, LONGEST, SHORTEST = 1e-2, 5e-2, 1e-6  # lengths of steps
+EASY_ITERATIONS = 4  # after at most so many, steps become longer
+FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 1e-2, 5e-2, 1e-6  # lengths of steps
 CLOSED = "it is closed"
-STRAIGHT, NEAR = 0.9, 0.5  # cosine of the largest turn in a step; its largest correction
-# A solution nearer to a branch is one of it, and where the square of the chord is longer, so is one
-# nearer than this part of it.
+LEAST_COSINE = 0.9  # of the turn in a step
+MOST_CORRECTION = 0.5  # of a step, in units of its length
+# A point is on a branch if its distance from a chord is below SAME + BENT * chord^2.
 SAME, BENT = 1e-4, 0.3
 MOST_DOUBLINGS = 3
 
@@ -75,7 +75,7 @@ def _events(problem: Problem, a: Node, b: Node) -> list[Node]:
         real += look("branch point", lambda n: problem.determinant(n.values, one))
     if problem.is_map:
         real += look("period doubling", lambda n: problem.determinant(n.values, -1.0))
-    more = abs(problem.grows(b.values) - problem.grows(a.values))
+    more = abs(problem.count_unstable(b.values) - problem.count_unstable(a.values))
     if more >= 2 and not (real and more == real):
         oscillates(problem, a, b, look)
     return sorted(found, key=lambda n: numpy.linalg.norm((n.x - a.x)[problem.of]))
@@ -84,10 +84,11 @@ def _events(problem: Problem, a: Node, b: Node) -> list[Node]:
 def oscillates(problem: Problem, a: Node, b: Node, look: Callable) -> None:
     """Looks for an oscillation that begins to grow: Hopf's bifurcation, or of orbits a torus. Where
     each mode has one that decays as fast, two frequencies meet (M. G. Krein, 1950)."""
-    before, after = (problem.grows(1 / n.values if problem.is_map else -n.values) for n in (a, b))
-    growing = [problem.grows(n.values) for n in (a, b)]
+    back = [1 / n.values if problem.is_map else -n.values for n in (a, b)]
+    before, after = map(problem.count_unstable, back)
+    growing = [problem.count_unstable(n.values) for n in (a, b)]
     if (after - before) * (growing[1] - growing[0]) > 0:
-        look("Krein collision", lambda n: problem.grows(n.values) - sum(growing) / 2)
+        look("Krein collision", lambda n: problem.count_unstable(n.values) - sum(growing) / 2)
         return
 
     def nearest(n: Node) -> float:
@@ -96,25 +97,25 @@ def oscillates(problem: Problem, a: Node, b: Node, look: Callable) -> None:
 
     kind = "torus" if problem.is_map else "hopf"
     if not (nearest(a) * nearest(b) < 0 and look(kind, nearest)):
-        look(kind, lambda n: problem.grows(n.values) - sum(growing) / 2)
+        look(kind, lambda n: problem.count_unstable(n.values) - sum(growing) / 2)
 
 
-def _half(problem: Problem, begun: Node, first: numpy.ndarray, ends, *origin: Node):
-    """Returns the nodes from one on in direction `first`, the special ones among them, and why they
-    end: they are closed where they come back to the first one, or to `origin` before that."""
+def _followed_one_way(problem: Problem, begun: Node, first: numpy.ndarray, ends, *origin: Node):
+    """Follows a branch from a node in direction `first`. Returns its nodes, its special points and
+    why it ended. It is closed if it returns to `begun` or `origin`."""
     known = [begun, *origin]
     a = problem.node(begun.x, problem.tangent(begun.x, first))
-    nodes, specials, length = [begun], [], FIRST * problem.unit
+    nodes, specials, length = [begun], [], FIRST_STEP * problem.unit
     lo, hi = ends
     while len(nodes) < MOST_POINTS:
-        if length < SHORTEST * problem.unit:
+        if length < SHORTEST_STEP * problem.unit:
             return nodes, specials, "Newton's method finds no further point"
         guess = a.x + length * a.t
         row = a.t[problem.of]
         found = problem.correct(guess, row, row @ guess[problem.of])
         t = None if found is None else problem.tangent(found[0], a.t)
-        far = found is not None and _size((found[0] - guess)[problem.of]) > NEAR * length
-        if t is None or far or t[problem.of] @ row < STRAIGHT:
+        far = found is not None and _size((found[0] - guess)[problem.of]) > MOST_CORRECTION * length
+        if t is None or far or t[problem.of] @ row < LEAST_COSINE:
             length /= 2
             continue
         b = problem.node(found[0], t)
@@ -141,8 +142,8 @@ def _half(problem: Problem, begun: Node, first: numpy.ndarray, ends, *origin: No
         except ArithmeticError:
             return nodes, specials, "the grid does not resolve the orbit"
         a = problem.node(x, t) if x is not b.x else b
-        easy = found[1] <= EASY and t[problem.of] @ row > 0.98
-        length = min(LONGEST * problem.unit, length * (1.5 if easy else 1.0))
+        easy = found[1] <= EASY_ITERATIONS and t[problem.of] @ row > 0.98
+        length = min(LONGEST_STEP * problem.unit, length * (1.5 if easy else 1.0))
     return nodes, specials, f"after {MOST_POINTS} points"
 
 
@@ -176,7 +177,7 @@ def _both_ways(problem: Problem, seed: Node, ways: Sequence[numpy.ndarray | Node
             halves.append(([begun], [], CLOSED))
             break
         problem.at(begun)
-        halves.append(_half(problem, begun, first, ends, *([origin] if origin else [])))
+        halves.append(_followed_one_way(problem, begun, first, ends, *([origin] if origin else [])))
     (back, before, first), (on, after, last) = halves
     middle = [*back[:0:-1], seed, *on[1:]] if origin is None else [*back[::-1], seed, *on]
     return Path(middle, [first, last], origin, problem, [*before[::-1], *after])
@@ -218,7 +219,7 @@ def followed(seeds: Sequence[Seed], ends: tuple[float, float]) -> list[Path]:
 
 
 def _outward(problem: Problem, node: Node, ends: tuple[float, float], origin: Node | None) -> Path:
-    nodes, specials, last = _half(problem, node, node.t, ends)
+    nodes, specials, last = _followed_one_way(problem, node, node.t, ends)
     first = [origin] if origin else []
     return Path([*first, *nodes], ["it begins here", last], origin, problem, specials)
 

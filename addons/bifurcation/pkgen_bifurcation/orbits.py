@@ -1,34 +1,30 @@
 """Periodic orbits by orthogonal collocation: on each interval of the grid a polynomial of degree 4,
-which obeys the equations at the 4 points of Gauss. It is of order 8 at the points of the grid.
+which obeys the equations at the 4 Gauss points. It is of order 8 at the points of the grid.
 
-The unknowns inside of intervals are eliminated, and the intervals joined to SEGMENTS, so that few
-unknowns are left: the states at the beginnings of segments, the period, the parameter. Corrections
-of these have the least norm. Conserved quantities, for which orbits are families and the equations
-depend on each other, need no more unknowns then.
+collocation.py reduces the unknowns to the states at the beginnings of segments, the period and the
+parameter. Corrections of these have the least norm. So families with conserved quantities, for
+which the equations depend on each other, need no unfolding parameter.
 
-References: E. Doedel, H. B. Keller, J. P. Kernevez, Int. J. Bifurcation and Chaos 1 (1991) 745; T.
-F. Fairgrieve, A. D. Jepson, SIAM J. Numer. Anal. 28 (1991) 1446 (multipliers).
+Reference: E. Doedel, H. B. Keller, J. P. Kernevez, Int. J. Bifurcation and Chaos 1 (1991) 745.
 """
 
 from __future__ import annotations
 
 import copy
 import math
-from itertools import pairwise
 
 import numpy
 
 from pkgen.system.exits import UsageError
 
+from .collocation import SEGMENTS, condensed, multipliers
 from .flow import Flow
 from .polynomials import DEGREE, POINTS, D, W, adapted, interpolated, points
 from .problem import Linear, Node, Problem
 
-SEGMENTS = 12
-AGAIN = 5  # steps between adaptions of the grid
+STEPS_A_GRID = 5  # steps between adaptions of the grid
 TRIVIAL = 1e-4  # a multiplier nearer to 1 is one of a conserved quantity, at the first orbit
 TURN = 2 * math.pi
-CONTRACTS = 1e10  # condition of a map whose inverse says nothing
 
 
 class Orbits(Problem):
@@ -45,16 +41,16 @@ class Orbits(Problem):
         parameter; `width` has the units of the states."""
         self.flow, self.family, self.grid = flow, flow.family, grid
         self.period_of = period if callable(period) else None
-        self.laps = 1
+        self.periods = 1
         self.period0 = period(value) if callable(period) else float(period)
         self.value0 = value
         self.width = width if len(width) else _width(flow, z)
         places = (flow.among < self.family.first.m) & (abs(z[-1] - z[0]) > 0.9 * TURN)
-        self.wind = places * TURN * numpy.round((z[-1] - z[0]) / TURN)
+        self.winding = places * TURN * numpy.round((z[-1] - z[0]) / TURN)
         system, t = self.family.system(value), numpy.zeros(len(z))
-        a, b = (flow.rates(system, t, z + by) for by in (0, self.wind))
+        a, b = (flow.rates(system, t, z + by) for by in (0, self.winding))
         if not (abs(a - b) <= 1e-9 * abs(a).max(0)).all():  # they are no angles
-            self.wind = 0 * self.wind
+            self.winding = 0 * self.winding
         self.trivial: int | None = None
         self.steps = 0
         self.energy0: float | None = None
@@ -89,10 +85,10 @@ class Orbits(Problem):
         value = self.value0
         if self.family.name is not None:
             value = self.family.range[0] + float(x[-1]) * self.family.width
-        period = self.period_of(value) * self.laps if self.period_of else 0.0
+        period = self.period_of(value) * self.periods if self.period_of else 0.0
         if self.period_of is None:
             period = float(x[len(x) - self.extra]) * self.period0
-        return numpy.concatenate([z, z[:1] + self.wind]), period, value
+        return numpy.concatenate([z, z[:1] + self.winding]), period, value
 
     def value(self, x: numpy.ndarray) -> float:
         z, _, value = self.parts(x)
@@ -115,7 +111,7 @@ class Orbits(Problem):
     # -- the equations ------------------------------------------------------------------------
 
     def _forces(self, x: numpy.ndarray) -> tuple[numpy.ndarray, ...]:
-        """Returns at all points of Gauss z' - T f, the derivatives of T f by z, and by the unknowns
+        """Returns at all Gauss points z' - T f, the derivatives of T f by z, and by the unknowns
         that are no states."""
         z, period, value = self.parts(x)
         d, flow, system = self.flow.count, self.flow, self.family.system(value)
@@ -126,92 +122,49 @@ class Orbits(Problem):
         times = (self.grid[:-1, None] + h[:, None] * POINTS).ravel()
         t = times * period if flow.forced else numpy.zeros(len(times))
         F = flow.rates(system, t, at)
-        gap = numpy.einsum("jk,ikd->ijd", D, Y) / h[:, None, None]
-        gap -= period * F.reshape(gap.shape)
+        residual = numpy.einsum("jk,ikd->ijd", D, Y) / h[:, None, None]
+        residual -= period * F.reshape(residual.shape)
         columns = [F * self.period0] if self.period_of is None else []
         if self.family.name is not None:
             low, high = self.family.beside(value)
             ends = []
             for p in (low, high):
-                T = self.period_of(p) * self.laps if self.period_of else period
+                T = self.period_of(p) * self.periods if self.period_of else period
                 by = times * T if flow.forced else t
                 ends.append(T * flow.rates(self.family.system(p), by, at))
             columns.append((ends[1] - ends[0]) / (high - low) * self.family.width)
-        A = period * flow.slopes(system, t, at)
-        return gap, A, numpy.stack(columns, -1)
+        A = period * flow.jacobian(system, t, at)
+        return residual, A, numpy.stack(columns, -1)
 
     def _linear(self, x: numpy.ndarray) -> Linear | None:
-        d, count, K = self.flow.count, len(self.grid) - 1, SEGMENTS
+        d, count, scale, h = self.flow.count, len(self.grid) - 1, self.width, numpy.diff(self.grid)
         try:
-            gap, A, columns = self._forces(x)
+            residual, A, columns = self._forces(x)
         except UsageError:  # the parameter is out of its bounds
             return None
-        extra = columns.shape[-1]
-        scale = self.width
-        h = numpy.diff(self.grid)
         A = (A * scale / scale[:, None]).reshape(count, DEGREE, d, d)
-        B = numpy.einsum("jk,de->jdke", D, numpy.eye(d))[None] / h[:, None, None, None, None]
-        B = B - numpy.einsum("jk,ijde->ijdke", W, A)
-        B = B.reshape(count, DEGREE * d, (DEGREE + 1) * d)
-        gap = (gap / scale).reshape(count, -1, 1)
-        columns = (columns / scale[:, None]).reshape(count, DEGREE * d, extra)
-        right = numpy.concatenate([-B[:, :, :d], columns, -gap], 2)
-        if not numpy.isfinite(right).all() or not numpy.isfinite(B).all():
+        columns = (columns / scale[:, None]).reshape(count, DEGREE, d, -1)
+        residual = residual / scale
+        made = condensed(h, self.segments, A, columns, residual)
+        if made is None:
             return None
-        try:
-            inner = numpy.linalg.solve(B[:, :, d:], right)
-        except numpy.linalg.LinAlgError:
-            return None
-        # The state at the beginning of each interval, by those at the beginning of its segment.
-        wide = d + extra + 1
-        one = numpy.concatenate([numpy.eye(d), numpy.zeros((d, extra + 1))], 1)
-        begins = numpy.empty((count, d, wide))
-        maps, to = [], numpy.concatenate([numpy.zeros((extra + 1, d)), numpy.eye(extra + 1)], 1)
-        for first, last in pairwise(self.segments):
-            M = one
-            for i in range(first, last):
-                begins[i] = M
-                M = inner[i, -d:] @ numpy.concatenate([M, to])
-            maps.append(M)
-        rows = numpy.zeros((K * d, K * d + extra))
-        off = numpy.empty(K * d)
-        for k, M in enumerate(maps):
-            part = slice(k * d, (k + 1) * d)
-            rows[part, part] += M[:, :d]
-            after = (k + 1) % K * d
-            rows[part, after : after + d] -= numpy.eye(d)
-            rows[part, K * d :] += M[:, d:-1]
-            off[part] = M[:, -1]
-        more, gaps = self._more(x)
-        self.maps = [M[:, :d] for M in maps]
-
-        def expand(step: numpy.ndarray, homogeneous: bool) -> numpy.ndarray:
-            own, tail = step[: K * d].reshape(K, d), step[K * d :]
-            last = numpy.append(tail, 0.0 if homogeneous else 1.0)
-            found = numpy.empty((count, DEGREE, d))
-            for k, (first, end) in enumerate(pairwise(self.segments)):
-                at = begins[first:end] @ numpy.append(own[k], last)
-                found[first:end, 0] = at
-                both = numpy.concatenate([at, numpy.tile(last, (end - first, 1))], 1)
-                inside = numpy.einsum("iab,ib->ia", inner[first:end], both)
-                found[first:end, 1:] = inside.reshape(end - first, DEGREE, d)[:, :-1]
-            return numpy.append(found.ravel(), tail)
-
-        slopes = numpy.concatenate([rows, more])
-        size = float((abs(gap).max((1, 2)) * h).max())
-        return Linear(numpy.append(off, gaps), slopes, expand, size)
+        self.maps = made.maps
+        rows, off = self._more(x)
+        size = float((abs(residual).max((1, 2)) * h).max())
+        jacobian = numpy.concatenate([made.jacobian, rows])
+        return Linear(numpy.append(made.residual, off), jacobian, made.expand, size)
 
     def _more(self, x: numpy.ndarray) -> tuple[numpy.ndarray, list[float]]:
         """Returns the rows of the phase, which is the nearest to that of the orbit `ref`, and of
         the energy where it is kept."""
-        rows, gaps = [], []
+        rows, residuals = [], []
         if not self.flow.forced:
             z, _, value = self.parts(self.ref)
             at = z[:-1:DEGREE][self.segments[:-1]]
             F = self.flow.rates(self.family.system(value), numpy.zeros(len(at)), at) / self.width
             F = F.ravel() / numpy.linalg.norm(F)
             rows.append(numpy.append(F, numpy.zeros(self.extra)))
-            gaps.append(float(rows[-1] @ (x - self.ref)[self.of]))
+            residuals.append(float(rows[-1] @ (x - self.ref)[self.of]))
         if self.energy0 is not None:
             z, _, value = self.parts(x)
             row = self.energy_row(x)
@@ -223,30 +176,15 @@ class Orbits(Problem):
             )
             row[-1] = (b - a) / (high - low) * self.family.width
             rows.append(row / size)
-            gaps.append(float(h - self.energy0) / size)
-        return numpy.array(rows).reshape(len(rows), len(self.of)), gaps
+            residuals.append(float(h - self.energy0) / size)
+        return numpy.array(rows).reshape(len(rows), len(self.of)), residuals
 
     # -- nodes --------------------------------------------------------------------------------
-
-    def multipliers(self) -> numpy.ndarray:
-        """Returns the multipliers, by the maps over both halves of the orbit: their product has
-        lost the small ones where others are large, unless all are small."""
-        from scipy.linalg import eig
-
-        halves = []
-        for part in (self.maps[: SEGMENTS // 2], self.maps[SEGMENTS // 2 :]):
-            M = numpy.eye(self.flow.count)
-            for one in part:
-                M = one @ M
-            halves.append(M)
-        if numpy.linalg.cond(halves[1]) > CONTRACTS:
-            return numpy.linalg.eigvals(halves[1] @ halves[0])
-        return eig(halves[0], numpy.linalg.inv(halves[1]), right=False)
 
     def node(self, x: numpy.ndarray, t: numpy.ndarray) -> Node | None:
         if self.linear(x) is None:
             return None
-        values = self.multipliers()
+        values = multipliers(self.maps)
         values = values[numpy.argsort(abs(values - 1))]
         if self.trivial is None:
             near = int((abs(values - 1) < TRIVIAL).sum())
@@ -294,7 +232,7 @@ class Orbits(Problem):
     def settle(self, x: numpy.ndarray, t: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray]:
         self.ref = x
         self.steps += 1
-        if self.steps % AGAIN:
+        if self.steps % STEPS_A_GRID:
             return x, t
         return self.adapted(x, t)
 
@@ -303,8 +241,8 @@ class Orbits(Problem):
         old = copy.copy(self)
         self.grid = adapted(self.grid, self.parts(x)[0] / self.width)
         self._chosen()
-        self.ref = self._carried(old, x, self.wind / self.width)
-        to = self._carried(old, t, 0 * self.wind)
+        self.ref = self._carried(old, x, self.winding / self.width)
+        to = self._carried(old, t, 0 * self.winding)
         row = to[self.of] / numpy.linalg.norm(to[self.of])
         found = self.correct(self.ref, row, float(row @ self.ref[self.of]))
         if found is None:
@@ -317,24 +255,25 @@ class Orbits(Problem):
     def doubled(self, node: Node) -> tuple[Problem, Node] | None:
         twice = copy.copy(self)
         twice.doublings += 1
-        twice.laps, twice.period0, twice.wind = 2 * self.laps, 2 * self.period0, 2 * self.wind
+        twice.periods, twice.period0 = 2 * self.periods, 2 * self.period0
+        twice.winding = 2 * self.winding
         twice.grid = numpy.append(self.grid / 2, 0.5 + self.grid[1:] / 2)
         twice._chosen()
 
-        def both(x: numpy.ndarray, wind: numpy.ndarray) -> numpy.ndarray:
+        def both(x: numpy.ndarray, winding: numpy.ndarray) -> numpy.ndarray:
             count = len(x) - self.extra
             z = x[:count].reshape(-1, self.flow.count)
-            return numpy.concatenate([z.ravel(), (z + wind).ravel(), x[count:]])
+            return numpy.concatenate([z.ravel(), (z + winding).ravel(), x[count:]])
 
-        x, t = both(node.x, self.wind / self.width), both(node.t, 0 * self.wind)
+        x, t = both(node.x, self.winding / self.width), both(node.t, 0 * self.winding)
         twice.ref = x
         other = twice.aside(Node(x, t, node.value, node.rate, node.values, {}))
         made = None if other is None else twice.beside(x, other)
         return None if made is None else (twice, made)
 
-    def _carried(self, old: Orbits, x: numpy.ndarray, wind: numpy.ndarray) -> numpy.ndarray:
+    def _carried(self, old: Orbits, x: numpy.ndarray, winding: numpy.ndarray) -> numpy.ndarray:
         z = x[: len(x) - self.extra].reshape(-1, self.flow.count)
-        z = numpy.concatenate([z, z[:1] + wind])
+        z = numpy.concatenate([z, z[:1] + winding])
         times = points(self.grid)[:-1]
         return numpy.append(interpolated(old.grid, z, times).ravel(), x[len(x) - self.extra :])
 

@@ -10,12 +10,12 @@ import math
 import numpy
 
 DEGREE = 4
-LEAST, MOST = 24, 300  # intervals
-FINE = 8.0  # intervals for each unit of the monitor function
+LEAST_INTERVALS, MOST_INTERVALS = 24, 300
+INTERVALS_PER_UNIT = 8.0  # of the monitor function
 
 
 def _tables() -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
-    """Returns the points of Gauss in (0, 1), and there the values and the derivatives of Lagrange's
+    """Returns the Gauss points in (0, 1), and there the values and the derivatives of Lagrange's
     polynomials of the points k/DEGREE."""
     points = (numpy.polynomial.legendre.leggauss(DEGREE)[0] + 1) / 2
     inner = numpy.arange(DEGREE + 1) / DEGREE
@@ -61,7 +61,8 @@ def adapted(grid: numpy.ndarray, z: numpy.ndarray) -> numpy.ndarray:
     monitor = (root + numpy.roll(root, 1)) / 2
     monitor = numpy.fmax(monitor, 0.05 * (monitor @ h))
     total = numpy.append(0.0, numpy.cumsum(monitor * h))
-    if not total[-1] < MOST:
+    if not total[-1] < MOST_INTERVALS:
         raise ArithmeticError
-    wanted = int(min(MOST, max(LEAST, math.ceil(FINE * total[-1]))))
+    wanted = math.ceil(INTERVALS_PER_UNIT * total[-1])
+    wanted = min(MOST_INTERVALS, max(LEAST_INTERVALS, wanted))
     return numpy.interp(numpy.linspace(0, total[-1], wanted + 1), total, grid)

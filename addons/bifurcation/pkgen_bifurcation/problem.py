@@ -1,4 +1,4 @@
-"""A problem: equations, solutions of which are a curve, and what is said of its points."""
+"""A continuation problem: equations whose solutions form a curve."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from typing import Any
 
 import numpy
 
-ROUNDS, SMALL = 12, 1e-9  # Newton's iterations; the last correction
-NEARLY = 1e-4  # as Problem.flat, at a branch point that is known roughly
-ASIDE = 2e-2  # first step on a branch that begins at a branch point
+ITERATIONS, LAST_CORRECTION = 12, 1e-9  # Newton's iterations; the last correction
+ROUGHLY_FLAT = 1e-4  # as Problem.flat, at a branch point that is known roughly
+STEP_ASIDE = 2e-2  # first step on a branch that begins at a branch point
 
 
 @dataclass
 class Linear:
-    """The equations at x, and their derivatives by its unknowns x[problem.of]. `expand` returns the
-    change of all of x that belongs to one of these; `homogeneous`, without the equations' gap."""
+    """The residual at x and its Jacobian by the reduced unknowns x[problem.of]. `expand` converts a
+    correction of these to one of all of x; if `homogeneous`, as if the residual were 0."""
 
-    gap: numpy.ndarray
-    slopes: numpy.ndarray
+    residual: numpy.ndarray
+    jacobian: numpy.ndarray
     expand: Callable[[numpy.ndarray, bool], numpy.ndarray]
     size: float  # how far x is from a solution
 
@@ -60,8 +60,8 @@ class Seed:
 
 
 class Problem:
-    """Solutions x of gap(x) = 0, one more number than equations that are independent. Numbers of x
-    are in units of their ranges. `of` are the indices of x by which lengths are measured."""
+    """Solves residual(x) = 0, with one more unknown than independent equations. Numbers of x are in
+    units of their ranges. `of` are the indices of x by which lengths are measured."""
 
     of: numpy.ndarray | slice = slice(None)
     grid: Any = None
@@ -86,32 +86,29 @@ class Problem:
     def node(self, x: numpy.ndarray, t: numpy.ndarray) -> Node | None:
         raise NotImplementedError
 
-    def value(self, x: numpy.ndarray) -> float:
-        raise NotImplementedError
-
     def settle(self, x: numpy.ndarray, t: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray]:
         """Called after each step; may change the grid."""
         return x, t
 
     # -- the bordered equations ---------------------------------------------------------------
 
-    def _solved(self, at: Linear, row: numpy.ndarray, gap: numpy.ndarray, last: float):
-        matrix = numpy.concatenate([at.slopes, row[None]])
-        return numpy.linalg.lstsq(matrix, numpy.append(gap, last), rcond=self.flat)[0]
+    def _solved(self, at: Linear, row: numpy.ndarray, right: numpy.ndarray, last: float):
+        matrix = numpy.concatenate([at.jacobian, row[None]])
+        return numpy.linalg.lstsq(matrix, numpy.append(right, last), rcond=self.flat)[0]
 
     def correct(self, x: numpy.ndarray, row: numpy.ndarray, last: float):
         """Returns the solution with row . x[of] = last near x, and the number of iterations; None
         if Newton's method does not find it."""
-        for k in range(ROUNDS):
+        for k in range(ITERATIONS):
             at = self.linear(x)
             if at is None:
                 return None
-            step = at.expand(self._solved(at, row, -at.gap, last - row @ x[self.of]), False)
+            step = at.expand(self._solved(at, row, -at.residual, last - row @ x[self.of]), False)
             x = x + step
             size = abs(step).max()
             if not size < 1:
                 return None
-            if size < SMALL:
+            if size < LAST_CORRECTION:
                 at = self.linear(x)
                 return (x, k) if at is not None and at.size < 1e-7 else None
         return None
@@ -120,7 +117,7 @@ class Problem:
         """Returns the direction of the branch at x, nearest to `before`, of length 1."""
         at = self.linear(x)
         row = before[self.of]
-        t = at.expand(self._solved(at, row / numpy.linalg.norm(row), 0 * at.gap, 1.0), True)
+        t = at.expand(self._solved(at, row / numpy.linalg.norm(row), 0 * at.residual, 1.0), True)
         return t / numpy.linalg.norm(t[self.of])
 
     def aside(self, node: Node) -> numpy.ndarray | None:
@@ -129,7 +126,7 @@ class Problem:
         if self.slack:
             return None
         at, t = self.linear(node.x), node.t[self.of]
-        _, _, v = numpy.linalg.svd(numpy.concatenate([at.slopes, t[None]]))
+        _, _, v = numpy.linalg.svd(numpy.concatenate([at.jacobian, t[None]]))
         other = at.expand(v[-1], True)
         return other / numpy.linalg.norm(other[self.of])
 
@@ -148,7 +145,7 @@ class Problem:
     def beside(self, x: numpy.ndarray, way: numpy.ndarray) -> Node | None:
         """Returns a point of the branch that goes from x in a direction."""
         row = way[self.of]
-        for length in (ASIDE, ASIDE / 4, ASIDE / 16):
+        for length in (STEP_ASIDE, STEP_ASIDE / 4, STEP_ASIDE / 16):
             found = self.correct(x + length * way, row, float(row @ x[self.of]) + length)
             if found is not None:
                 return self.node(found[0], self.tangent(found[0], way))
@@ -157,12 +154,12 @@ class Problem:
     def is_simple(self, node: Node) -> bool:
         """Returns whether one branch alone goes through a point. Another branch through a pitchfork
         turns there as at a fold."""
-        return self.slack_at(node, NEARLY) <= self.slack
+        return self.slack_at(node, ROUGHLY_FLAT) <= self.slack
 
     def slack_at(self, node: Node, small: float = 1e-6) -> int:
         """Returns in how many directions beside the tangent solutions go on."""
         at, t = self.linear(node.x), node.t[self.of]
-        s = numpy.linalg.svd(numpy.concatenate([at.slopes, t[None]]), compute_uv=False)
+        s = numpy.linalg.svd(numpy.concatenate([at.jacobian, t[None]]), compute_uv=False)
         return int((s[: len(t)] < small * s[0]).sum())
 
     def at(self, node: Node) -> Node:
@@ -180,7 +177,7 @@ class Problem:
     def growth(self, values: numpy.ndarray) -> numpy.ndarray:
         return numpy.log(abs(values) + 1e-300) if self.is_map else values.real
 
-    def grows(self, values: numpy.ndarray) -> int:
-        """Returns how many small motions grow."""
+    def count_unstable(self, values: numpy.ndarray) -> int:
+        """Returns the number of eigenvalues or multipliers of motions that grow."""
         most = 1e-6 if self.is_map else 1e-7 * abs(values).max(initial=0.0)
         return int((self.growth(values) > most).sum())

@@ -1,7 +1,7 @@
 """Periodic orbits as fixed points of a return map, of models with impacts and changing constraints
 too: from one event of a section to a later one, by shooting with the compiled model.
 
-The map begins and ends at DELAY of a period behind the event, when the motion has its new values.
+The map begins and ends at DELAY of a period after the event, when the motion has its new values.
 Its derivatives are central differences.
 
 References: H. B. Keller, Numerical Solution of Two Point Boundary Value Problems (1976); A.
@@ -25,15 +25,15 @@ from pkgen.system.exits import DONE, UsageError
 from pkgen.system.near import unknown
 
 from .family import Family
-from .problem import ROUNDS, SMALL, Linear, Node, Problem, Seed
+from .problem import ITERATIONS, LAST_CORRECTION, Linear, Node, Problem, Seed
 
 DELAY = 0.01
-BESIDE = 1e-4  # step of differences, in units of the state
+DIFFERENCE_STEP = 1e-4  # step of differences, in units of the state
 RTOL = "1e-13"
-LONGEST = 1e4  # times within which a first return is looked for
-LATER = (0, 30, 300)  # returns after which a motion with friction may be near an orbit
-IDLE = 1e-7  # largest derivative by a parameter without influence
-KEPT = 1e-8  # relative change of an energy that is kept
+SEARCH_TIME = 1e4  # time within which first returns are looked for
+LATER_RETURNS = (0, 30, 300)  # returns after which a motion with friction may be near an orbit
+NO_INFLUENCE = 1e-7  # largest derivative by a parameter without influence
+ENERGY_KEPT = 1e-8  # relative change of an energy that is kept
 
 
 def _closing(text: str | None, family: Family) -> dict[str, str]:
@@ -137,66 +137,63 @@ class Returns(Problem):
         low, _ = self.family.range
         return x[:count] * self.scale, low + float(x[-1]) * self.family.width
 
-    def _gap(self, x: numpy.ndarray) -> numpy.ndarray:
+    def _residual(self, x: numpy.ndarray) -> numpy.ndarray:
         """Returns what the starts are off after a return, and the energy, if it is kept."""
         u, value = self.parts(x)
         row, _ = self.mapped(u, value)
-        gap = (row[self.places] - u) / self.scale
+        residual = (row[self.places] - u) / self.scale
         if self.energy0 is not None:
-            gap = numpy.append(gap, row[self.places_of_energy] / abs(self.energy0) - 1)
-        return gap
+            residual = numpy.append(residual, row[self.places_of_energy] / abs(self.energy0) - 1)
+        return residual
 
     def _linear(self, x: numpy.ndarray) -> Linear | None:
         """The derivatives of the map itself are kept for the multipliers."""
         try:
-            gap = self._gap(x)
+            residual = self._residual(x)
             columns = []
             for k in range(len(x)):
                 by = numpy.zeros(len(x))
-                by[k] = BESIDE
-                ends = [self._gap(x + by), self._gap(x - by)]
-                columns.append((ends[0] - ends[1]) / (2 * BESIDE))
+                by[k] = DIFFERENCE_STEP
+                ends = [self._residual(x + by), self._residual(x - by)]
+                columns.append((ends[0] - ends[1]) / (2 * DIFFERENCE_STEP))
         except UsageError:
             return None
-        slopes = numpy.array(columns).T
-        if not (numpy.isfinite(gap).all() and numpy.isfinite(slopes).all()):
+        jacobian = numpy.array(columns).T
+        if not (numpy.isfinite(residual).all() and numpy.isfinite(jacobian).all()):
             return None
         count = len(self.unknowns)
-        self.slopes = slopes[:count, :count] + numpy.eye(count)
-        return Linear(gap, slopes, lambda step, _: step, float(abs(gap).max()))
+        self.map_jacobian = jacobian[:count, :count] + numpy.eye(count)
+        return Linear(residual, jacobian, lambda step, _: step, float(abs(residual).max()))
 
     def correct(self, x: numpy.ndarray, row: numpy.ndarray, last: float):
         """As of other problems, with the derivatives at the last point while they are good enough:
         each of them is an integration."""
-        slopes, before = self.last[2] and self.last[2].slopes, numpy.inf
-        for k in range(3 * ROUNDS):
-            if slopes is None:
+        jacobian, before = self.last[2] and self.last[2].jacobian, numpy.inf
+        for k in range(3 * ITERATIONS):
+            if jacobian is None:
                 at = self.linear(x)
                 if at is None:
                     return None
-                slopes = at.slopes
-            matrix = numpy.concatenate([slopes, row[None]])
-            right = numpy.append(-self._gap(x), last - row @ x)
+                jacobian = at.jacobian
+            matrix = numpy.concatenate([jacobian, row[None]])
+            right = numpy.append(-self._residual(x), last - row @ x)
             if not numpy.isfinite(right).all():
                 return None
             step = numpy.linalg.lstsq(matrix, right, rcond=self.flat)[0]
             x, size = x + step, abs(step).max()
             if not size < 1:
                 return None
-            if size < SMALL:
+            if size < LAST_CORRECTION:
                 at = self.linear(x)
                 return (x, k // 3) if at is not None and at.size < 1e-7 else None
-            slopes = None if size > 0.2 * before else slopes
+            jacobian = None if size > 0.2 * before else jacobian
             before = size
         return None
-
-    def value(self, x: numpy.ndarray) -> float:
-        return self.parts(x)[1]
 
     def node(self, x: numpy.ndarray, t: numpy.ndarray) -> Node | None:
         if self.linear(x) is None:
             return None
-        values = numpy.linalg.eigvals(self.slopes)
+        values = numpy.linalg.eigvals(self.map_jacobian)
         values = values[numpy.argsort(abs(values - 1))]
         u, value = self.parts(x)
         _, time = self.mapped(u, value)
@@ -224,13 +221,13 @@ class Returns(Problem):
         if self.family.name is None:
             raise UsageError("--section is followed along a parameter")
         value, until, times = self.family.own(), 1.0, numpy.zeros(0)
-        while len(times) < 3 and until < LONGEST:
+        while len(times) < 3 and until < SEARCH_TIME:
             until *= 4
             rows = self._rows(None, value, until, True)
             times = rows[:, 0] if len(rows) else times
         if len(times) < 3:
             raise UsageError("--section: from the start on its event does not happen three times")
-        for later in LATER:
+        for later in LATER_RETURNS:
             if later:
                 rows = self._rows(None, value, times[0] + 1.2 * later * (times[1] - times[0]), True)
                 times = rows[:, 0]
@@ -249,14 +246,15 @@ class Returns(Problem):
             self.period = float(first[0])
             if (place := self.places_of_energy) is not None:
                 energy, later_one = rows[-1][place], self.mapped(u, value)[0][place]
-                self.energy0 = energy if abs(later_one - energy) <= KEPT * abs(energy) else None
+                kept = abs(later_one - energy) <= ENERGY_KEPT * abs(energy)
+                self.energy0 = energy if kept else None
             self.scale = numpy.fmax(abs(u), 0.1 * abs(u).max())
             x = numpy.append(u / self.scale, (value - self.family.range[0]) / self.family.width)
             row = numpy.zeros(len(x))
             row[-1] = 1
             found = self.correct(x, row, float(x[-1]))
-            if found and not abs(self.linear(found[0]).slopes[:, -1]).max() > IDLE:
-                raise UsageError(self.family.idle())
+            if found and not abs(self.linear(found[0]).jacobian[:, -1]).max() > NO_INFLUENCE:
+                raise UsageError(self.family.without_influence())
             node = found and self.node(found[0], self.tangent(found[0], row))
             if node:
                 return [Seed(self, node)]

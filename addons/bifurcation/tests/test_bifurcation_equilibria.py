@@ -109,7 +109,7 @@ def test_a_top_turns_steadily_along_its_weight(tmp_path) -> None:
 
 def test_the_command_writes_data_and_a_picture(tmp_path) -> None:
     file = tmp_path / "hoop.svg"
-    how = ("--free", "Omega=0:8", "--output", file, "--show", "theta")
+    how = ("--free", "Omega=0:8", "-o", file, "--show", "theta")
     record = json.loads(ran("continue", HOOP, *how, "--json").stdout)
     assert record["free"] == "Omega" and record["unit"] == "rad/s"
     special = [p for b in record["branches"] for p in b["points"] if "kind" in p]
