@@ -33,7 +33,7 @@ ADAPTIVE = ("dop853", "dopri5", "gauss", "radau")
 
 def options(method: str) -> dict[str, object]:
     if method in ADAPTIVE:
-        return {"method": method, "rtol": 1e-9 if method == "radau" else 1e-13}
+        return {"method": method, "rtol": 1e-11 if method == "radau" else 1e-13}
     return {"method": method, "step": 0.02}
 
 
