@@ -1,4 +1,4 @@
-"""The residuals of a fit and their derivatives, through the very steps of runs."""
+"""The residuals of a fit and their derivatives, exact for the numerical solution."""
 
 from __future__ import annotations
 
