@@ -81,11 +81,12 @@ def test_a_range_may_have_one_end(bound: str, value: float, tmp_path: Path) -> N
 
 
 def test_size_table_and_allowed_folders_are_those_of_the_model(tmp_path: Path) -> None:
-    far = tmp_path / "far"
+    far, home = tmp_path / "far", tmp_path / "home"
     far.mkdir()
-    (tmp_path / "push.csv").write_text("t,f\n0,0\n9,0\n")
+    home.mkdir()
+    (home / "push.csv").write_text("t,f\n0,0\n9,0\n")
     (far / "push.csv").write_text("t,f\n0,1\n9,1\n")
-    path, data = written(tmp_path, ROPE), tmp_path / "data.csv"
+    path, data = written(home, ROPE), tmp_path / "data.csv"
     t = numpy.arange(0, 3, 0.1)
     rows = [f"{a},{b}" for a, b in zip(t, 3 * (1 - numpy.cos(2 * t)) / 4, strict=True)]
     data.write_text("\n".join(["t,first", *rows]) + "\n")
