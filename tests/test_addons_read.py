@@ -60,13 +60,15 @@ READ = {
     """,
     "fit": """
         analysis.sensitivity.forward analysis.sensitivity.tape cli.arguments cli.compilation
-        compiler front.data plot.style run.library run.named run.values scenes.lengths
+        cli.pictures compiler front.data plot.style run.library run.named run.values
+        scenes.lengths
     """,
     "fmu": "front.units",
     "hosts": "graph.graph methods",
     "optimise": """
         analysis.sensitivity.forward analysis.sensitivity.tape cli.arguments cli.compilation
-        compiler graph.graph plot.style run.library run.named run.values scenes.lengths
+        cli.pictures compiler graph.graph plot.style run.library run.named run.values
+        scenes.lengths
     """,
     "pages": """
         analysis.chart.chart analysis.chart.table analysis.chart.text analysis.stability.map

@@ -72,8 +72,8 @@ def run(options: argparse.Namespace) -> int:
 def _numbers(
     options: argparse.Namespace, model: Model, name: str, parts: str
 ) -> dict[str, list[float]]:
-    """Returns the numbers of an option by the names of quantities, in SI units. Of a range an end
-    may be missing. Raises UsageError."""
+    """Returns the numbers of an option by the names of quantities, in SI units. A range may
+    lack an end. Raises UsageError."""
     of, option, found = model.compilation, f"--{name}", {}
     values, units = Values(of), named.units(of, named.parameters(of))
     for text in getattr(options, name):

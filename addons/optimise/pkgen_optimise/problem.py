@@ -93,8 +93,8 @@ def checked(problem: Problem, compilation: Compilation) -> Problem:
     kinds = [
         ("--input", problem.inputs, [*inputs.names()], "input"),
         ("--free", problem.parameters, [*parameters.names()], "parameter"),
-        ("--free-start", problem.starts, moving, "coordinate or rate"),
-        ("--periodic", problem.periodic, moving, "coordinate or rate"),
+        ("--free-start", problem.starts, moving, "coordinate, rate or state"),
+        ("--periodic", problem.periodic, moving, "coordinate, rate or state"),
         ("--periodic", problem.periodic.values(), [*moving, *outputs], "column"),
         ("--end", problem.end, [*moving, *outputs], "column"),
         ("--path", problem.path, [*moving, *outputs], "column"),
