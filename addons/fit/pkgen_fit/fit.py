@@ -36,7 +36,7 @@ Pairs = dict[str, tuple[float, float]]
 
 @record
 class Known:
-    """What is known of the unknowns and of the data, by name, in SI units."""
+    """Bounds and priors of the unknowns, and deviations of the data, by name, in SI units."""
 
     bounds: Pairs  # least and largest value
     priors: Pairs  # value and standard deviation
