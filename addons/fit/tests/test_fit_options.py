@@ -112,4 +112,4 @@ def test_the_text_has_the_digits_that_its_standard_deviation_allows(tmp_path: Pa
     found = pkgen.load(path).fit(data, "k", "x", tries=0, **known)
     k = found.parameters["k"]
     assert 1e-3 < k.sigma < 1e-2
-    assert found.text().startswith(f"k = {k.value:.3f} +- {k.sigma:.2g}\n")
+    assert found.text().startswith(f"k = {k.value:.4f} +- {k.sigma:.2g}\n")
