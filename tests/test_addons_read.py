@@ -59,14 +59,16 @@ READ = {
         run.library run.named run.settings run.simulate run.values scenes.run
     """,
     "fit": """
-        analysis.sensitivity.forward analysis.sensitivity.tape cli.arguments compiler front.data
-        plot.style run.named run.values
+        analysis.sensitivity.forward analysis.sensitivity.tape cli.arguments cli.compilation
+        cli.pictures compiler front.data plot.style run.library run.named run.values
+        scenes.lengths
     """,
     "fmu": "front.units",
     "hosts": "graph.graph methods",
     "optimise": """
-        analysis.sensitivity.forward analysis.sensitivity.tape cli.arguments compiler graph.graph
-        plot.style run.library run.named run.values
+        analysis.sensitivity.forward analysis.sensitivity.tape cli.arguments cli.compilation
+        cli.pictures compiler graph.graph plot.style run.library run.named run.values
+        scenes.lengths
     """,
     "pages": """
         analysis.chart.chart analysis.chart.table analysis.chart.text analysis.stability.map

@@ -78,8 +78,7 @@ def _number(cells: csv.Cells, row: int, column: int) -> float:
 
 
 def _units(compilation: Compilation) -> dict[str, str]:
-    time = "" if compilation.model.dimensionless else "s"
-    return named.units(compilation) | dict.fromkeys(TIMES, time)
+    return named.units(compilation) | dict.fromkeys(TIMES, Values(compilation).time)
 
 
 def _checked(

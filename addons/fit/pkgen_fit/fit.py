@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import math
 import warnings
 from collections.abc import Mapping, Sequence
@@ -13,8 +14,11 @@ import numpy
 from pkgen.api import arguments
 from pkgen.api.arguments import in_words
 from pkgen.api.model import Model
+from pkgen.api.prepare import Prepared
 from pkgen.compiler import Compilation
+from pkgen.record import record
 from pkgen.run import named
+from pkgen.run.library import load
 from pkgen.run.values import Values
 from pkgen.system.exits import UsageError
 from pkgen.system.near import near
@@ -26,6 +30,17 @@ from .search import STEPS, TRIES, local, solve
 
 ROUNDS = 4  # of fits whose weights are the residuals of the one before
 LEAST = 1e-12  # least standard deviation, relative to the data
+UNBOUNDED = (-math.inf, math.inf)
+Pairs = dict[str, tuple[float, float]]
+
+
+@record
+class Known:
+    """Bounds and priors of the unknowns, and deviations of the data, by name, in SI units."""
+
+    bounds: Pairs  # least and largest value
+    priors: Pairs  # value and standard deviation
+    sigma: dict[str, float]  # standard deviation of a column
 
 
 def fit(
@@ -41,24 +56,25 @@ def fit(
     tries: int = TRIES,
     **more: Any,
 ) -> Fitted:
-    """Returns the values of the parameters and inputs `free`, and of the starts `free_start` of
-    each experiment, at which the motion is nearest to the data by least squares.
+    """Fits the parameters and inputs `free`, and the start values `free_start` of each experiment,
+    to measured data by least squares.
 
     `data` is a CSV file, columns by name, or a list of these, one for each experiment; NaN is a
     missing sample. An input among the columns is recorded: between samples it is linear, and its
-    free value is an offset. `bounds` has (least, largest), `priors` (value, standard deviation),
-    `sigma` the standard deviation of a column (default: of its residuals). With `huber`, outliers
-    count less. `tries` are starts besides that of the model. `more` are arguments of Model.run().
+    free value is an offset. `free_start` names coordinates, rates and states. `bounds` has (least,
+    largest), None for no bound, `priors` (value, standard deviation), `sigma` the standard
+    deviation of a column (default: the rms of its residuals). With `huber`, outliers count less.
+    The search has `tries` starts besides the model's values. `more` are arguments of Model.run().
 
     Raises UsageError, RunError."""
     with in_words():
         arguments.checked(free=free, free_start=free_start, tries=tries)
-        pairs = {"bounds": bounds, "priors": priors}
-        known = {k: _numbers(k, x, (2,)) for k, x in pairs.items()}
-        known["sigma"] = _numbers("sigma", sigma, ())
+        pairs = _numbers("bounds", bounds, (2,)), _numbers("priors", priors, (2,))
+        known = Known(*pairs, _numbers("sigma", sigma, ()))
         several = data if isinstance(data, list | tuple) else [data]
         names = arguments.several(free), arguments.several(free_start)
-        return fitted(model, several, *names, known, huber, tries, more)
+        options = arguments.options(model, more)
+        return fitted(model, several, *names, known, options, huber=huber, tries=tries)
 
 
 def _numbers(option: str, given: Any, shape: tuple[int, ...]) -> dict[str, Any]:
@@ -67,6 +83,8 @@ def _numbers(option: str, given: Any, shape: tuple[int, ...]) -> dict[str, Any]:
         raise UsageError(f"{option}={arguments.brief(given)}: give a dictionary by name")
     found = {}
     for name, x in (given or {}).items():
+        if option == "bounds" and isinstance(x, list | tuple) and len(x) == 2:
+            x = [end if one is None else one for one, end in zip(x, UNBOUNDED, strict=True)]
         (values,) = arguments.arrays(**{f"{option} of {name}": x})
         if values.shape != shape:
             count = "two numbers" if shape else "one number"
@@ -80,16 +98,17 @@ def fitted(
     data: Sequence[Any],
     free: Sequence[str],
     free_start: Sequence[str],
-    known: Mapping[str, dict[str, Any]],
+    known: Known,
+    options: argparse.Namespace,
+    *,
     huber: bool,
     tries: int,
-    more: dict[str, Any],
 ) -> Fitted:
-    """Does the work of fit(); `known` has bounds, priors and sigma. Messages name options."""
+    """Does the work of fit(); `options` are those of the runs. Messages name options."""
     experiments = [read(one, model.compilation) for one in data]
-    problem = _problem(model, experiments, free, free_start, **known, more=more)
+    problem = _problem(model, experiments, free, free_start, known, options)
     x = solve(problem, tries, huber)
-    estimated = [name for name in problem.columns if name not in known["sigma"]]
+    estimated = [name for name in problem.columns if name not in known.sigma]
     for _ in range(ROUNDS if estimated else 0):
         before, rms = dict(problem.scale), problem.rms(x)
         for name in estimated:
@@ -112,66 +131,72 @@ def _problem(
     experiments: Sequence[Experiment],
     free: Sequence[str],
     free_start: Sequence[str],
-    bounds: dict[str, tuple[float, float]],
-    priors: dict[str, tuple[float, float]],
-    sigma: dict[str, float],
-    more: dict[str, Any],
+    known: Known,
+    options: argparse.Namespace,
 ) -> Problem:
     columns = {name for e in experiments for name in e.columns}
-    for name, x in sigma.items():
+    for name, x in known.sigma.items():
         if name not in columns:
             raise UsageError(f"--sigma {name}: {near(name, sorted(columns), 'column')}")
         if not x > 0:
             raise UsageError(f"--sigma {name}={x:g}: a standard deviation is above 0")
-    recorded = {name for e in experiments for name in e.inputs}
-    unknowns = [_parameter(model, name, bounds, priors, recorded) for name in free]
-    for k, e in enumerate(experiments):
-        unknowns += [_start(model, e, k, name, bounds, priors) for name in free_start]
-    if not unknowns:
+    if not (free or free_start):
         raise UsageError("--free: name parameters, or starts by --free-start")
-    if twice := [u.name for i, u in enumerate(unknowns) if u in unknowns[:i]]:
-        raise UsageError(f"--free {twice[0]}: it is there twice")
-    known = {u.name for u in unknowns}
-    for option, given in (("--bound", bounds), ("--prior", priors)):
-        for name in given:
-            if name not in known:
-                raise UsageError(f"{option} {name}: it is not free")
-    compilation, runs = model.compilation, []
-    for e in experiments:
-        lines, tables, sets = _recorded(e, compilation)
-        of = model.extended(lines, tables) if lines else model
-        end = float(e.t[-1])
-        options = arguments.options(of, {**more, "until": end, "every": end})
-        options.set += sets
-        with warnings.catch_warnings():  # of lines that a scene alone uses
-            warnings.simplefilter("ignore")
-            runs.append(of.taped(options))
-    scale = {name: sigma.get(name) or _size(experiments, name) for name in sorted(columns)}
-    problem = Problem(runs, experiments, unknowns, scale)
+    for option, names in (("--free", free), ("--free-start", free_start)):
+        if twice := [name for i, name in enumerate(names) if name in names[:i]]:
+            raise UsageError(f"{option} {twice[0]}: it is there twice")
+    for option, given in (("--bound", known.bounds), ("--prior", known.priors)):
+        if wrong := [name for name in given if name not in {*free, *free_start}]:
+            raise UsageError(f"{option} {wrong[0]}: it is not free")
+    runs = [_prepared(model, e, options) for e in experiments]
+    recorded = {name for e in experiments for name in e.inputs}
+    values = _values(runs[0])
+    unknowns = [_parameter(model.compilation, values, name, known, recorded) for name in free]
+    for k, e in enumerate(experiments):
+        unknowns += [_start(model.compilation, values, e, k, name, known) for name in free_start]
+    scale = {name: known.sigma.get(name) or _size(experiments, name) for name in sorted(columns)}
     samples = sum(int(numpy.isfinite(x).sum()) for e in experiments for x in e.columns.values())
-    if samples + len(priors) < len(unknowns):
+    if samples + len(known.priors) < len(unknowns):
         raise UsageError(f"{samples} samples are fewer than the {len(unknowns)} unknowns")
-    return problem
+    return Problem(runs, experiments, unknowns, scale)
+
+
+def _prepared(model: Model, e: Experiment, options: argparse.Namespace) -> Prepared:
+    """Prepares the run of an experiment, with its recorded inputs."""
+    lines, tables, sets = _recorded(e, model.compilation)
+    of = model.extended(lines, tables) if lines else model
+    end = repr(float(e.t[-1]))
+    own = {"until": end, "every": end, "set": [*options.set, *sets]}
+    with warnings.catch_warnings():  # of lines that a scene alone uses
+        warnings.simplefilter("ignore")
+        return of.taped(argparse.Namespace(**{**vars(options), **own}))
+
+
+def _values(run: Prepared) -> dict[str, float]:
+    """Returns the values of parameters, coordinates, rates, states and inputs in a run, by name."""
+    of, given = run.compilation, load(run.library).run(run.settings, idle=True).given()
+    held = dict(run.settings.inputs)
+    found = {name: held.get(named.inputs(of)[name][0], 0.0) for name in named.inputs(of).names()}
+    q, v = (named.coordinates(of, rates=x) for x in (False, True))
+    for names, values in ((named.parameters(of), "parameters"), (q, "q"), (v, "v")):
+        found |= {name: float(given[values][names[name][0]]) for name in names.names()}
+    return found
 
 
 def _parameter(
-    model: Model,
-    name: str,
-    bounds: Mapping[str, tuple[float, float]],
-    priors: Mapping[str, tuple[float, float]],
-    recorded: set[str],
+    of: Compilation, values: Mapping[str, float], name: str, known: Known, recorded: set[str]
 ) -> Unknown:
-    of = model.compilation
     parameters, inputs = named.parameters(of), named.inputs(of)
+    if name in recorded:
+        offset = _unknown(name, inputs[name][1].unit, 0.0, UNBOUNDED, known, None)
+        return replace(offset, of=f"{name}_offset")
     if name in inputs:
-        unit, value, ends = inputs[name][1].unit, 0.0, (-math.inf, math.inf)
+        unit, ends = inputs[name][1].unit, UNBOUNDED
     elif name in parameters:
-        k, quantity = parameters[name]
-        unit, value, ends = quantity.unit, model.params[name], _declared(of, k)
+        unit, ends = parameters[name][1].unit, named.bounds(of, name)
     else:
         raise UsageError(f"--free {name}: {near(name, [*parameters, *inputs], 'parameter')}")
-    found = _unknown(name, unit, value, ends, bounds, priors, None)
-    return replace(found, of=f"{name}_offset") if name in recorded else found
+    return _unknown(name, unit, values[name], ends, known, None)
 
 
 def _recorded(
@@ -180,7 +205,7 @@ def _recorded(
     """Returns lines of a model by which its inputs are those of an experiment and an offset, their
     tables, and the values of the option --set."""
     lines, tables, sets = "", {}, []
-    time = "" if compilation.model.dimensionless else " [s]"
+    time = " [s]" if Values(compilation).time else ""
     for name, values in e.inputs.items():
         quantity = named.inputs(compilation)[name][1]
         unit = f" [{quantity.unit}]" if quantity.unit else ""
@@ -191,35 +216,22 @@ def _recorded(
     return lines, tables, sets
 
 
-def _declared(of: Compilation, k: int) -> tuple[float, float]:
-    """Returns the bounds of a parameter that are numbers in the model."""
-    e = of.equations
-    slot = e.parameters[k]
-    low, high = (None if x is None else e.graph.value(x) for x in (slot.lo, slot.hi))
-    return (-math.inf if low is None else float(low), math.inf if high is None else float(high))
-
-
 def _start(
-    model: Model,
-    e: Experiment,
-    k: int,
-    name: str,
-    bounds: Mapping[str, tuple[float, float]],
-    priors: Mapping[str, tuple[float, float]],
+    of: Compilation, values: Mapping[str, float], e: Experiment, k: int, name: str, known: Known
 ) -> Unknown:
-    q, v = (named.coordinates(model.compilation, rates=x) for x in (False, True))
+    q, v = (named.coordinates(of, rates=x) for x in (False, True))
     if name not in q and name not in v:
-        raise UsageError(f"--free-start {name}: {near(name, [*q, *v], 'coordinate or rate')}")
+        hint = near(name, [*q, *v], "coordinate, rate or state")
+        raise UsageError(f"--free-start {name}: {hint}")
     unit = (q if name in q else v)[name][1].unit
-    names = [*q.names(), *v.names()]
-    value = float(model.start[names.index(name)])
-    shown = _shown(e, name)
-    ends = (-math.inf, math.inf)
-    return _unknown(name, unit, value if shown is None else shown, ends, bounds, priors, k)
+    estimated = _estimated_start(e, name)
+    value = values[name] if estimated is None else estimated
+    return _unknown(name, unit, value, UNBOUNDED, known, k)
 
 
-def _shown(e: Experiment, name: str) -> float | None:
-    """Returns the start that the first samples show, of a rate by the slope, or None."""
+def _estimated_start(e: Experiment, name: str) -> float | None:
+    """Returns the start value estimated from the first five samples (the slope, for a rate), or
+    None."""
     of = name if name in e.columns else name.removesuffix("'")
     if of not in e.columns:
         return None
@@ -235,23 +247,16 @@ def _unknown(
     unit: str,
     value: float,
     ends: tuple[float, float],
-    bounds: Mapping[str, tuple[float, float]],
-    priors: Mapping[str, tuple[float, float]],
+    known: Known,
     experiment: int | None,
 ) -> Unknown:
-    low, high = bounds.get(name, ends)
+    low, high = known.bounds.get(name, UNBOUNDED)
     if not low < high:
-        raise UsageError(f"--bound {name}={low:g}:{high:g}: the first is to be below the second")
-    if name in priors and not priors[name][1] > 0:
+        raise UsageError(f"--bound {name}={low:g}:{high:g}: LOW must be below HIGH")
+    low, high = max(low, ends[0]), min(high, ends[1])
+    if not low < high:
+        raise UsageError(f"--bound {name}: the model has other bounds of {name}")
+    if name in known.priors and not known.priors[name][1] > 0:
         raise UsageError(f"--prior {name}: its standard deviation is to be above 0")
     value = min(max(value, low), high)
-    return Unknown(name, unit, value, low, high, experiment, priors.get(name))
-
-
-def read_number(compilation: Compilation, option: str, text: str, name: str) -> float:
-    """Returns a value of a named quantity in SI."""
-    units = named.units(compilation)
-    units |= {x.quantity.name: x.quantity.unit for x in compilation.equations.parameters}
-    if name not in units:
-        raise UsageError(f"{option} {name}: {near(name, [*units], 'quantity')}")
-    return Values(compilation).value(option, text, units[name], name)
+    return Unknown(name, unit, value, low, high, experiment, known.priors.get(name))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy
@@ -15,9 +16,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-UNSEEN = 1e-6  # relative singular value of a direction that the data do not see
+UNSEEN = 1e-6  # relative singular value of a direction that the data do not determine
 AT_BOUND = 1e-3  # distance from a bound, in standard deviations
-WITHOUT = 1e-9  # relative size of a column of the Jacobian of an unknown without influence
+# Smallest relative norm of a Jacobian column; below it the unknown has no influence.
+WITHOUT = 1e-9
 
 
 @record
@@ -61,7 +63,7 @@ class Fitted:
 
     @property
     def values(self) -> dict[str, float]:
-        """The values by name: `m.params.update(found.values)` if no start is free."""
+        """The values by name: `m.params.update(found.values)` if only parameters are free."""
         return {name: one.value for name, one in self.parameters.items()}
 
     def residuals(self) -> dict[str, list[tuple[NDArray[Any], NDArray[Any]]]]:
@@ -95,7 +97,8 @@ class Fitted:
         lines = []
         for name, one in self.parameters.items():
             unit = f" {one.unit}" if one.unit else ""
-            lines.append(f"{name} = {one.value:.9g} +- {one.sigma:.2g}{unit}")
+            digits = _digits(one.value, one.sigma)
+            lines.append(f"{name} = {one.value:.{digits}g} +- {one.sigma:.2g}{unit}")
         names = [*self.parameters]
         for i, a in enumerate(names):
             for j in range(i):
@@ -103,7 +106,7 @@ class Fitted:
                     lines.append(f"{names[j]} and {a} are correlated: {self.correlation[i, j]:.3f}")
         lines += [f"{name} is at its bound" for name in self.at_bounds]
         lines += [f"rms of {name}: {x:.4g}" for name, x in self.rms.items()]
-        return "\n".join([*lines, f"{self.samples} samples", ""])
+        return "\n".join([*lines, f"{self.samples} samples"])
 
     def plot(self) -> Figure:
         """Draws over time, for each column, the data beside the motion, and model - data."""
@@ -132,25 +135,37 @@ class Fitted:
         return figure
 
 
+def _digits(value: float, sigma: float) -> int:
+    """Returns the digits of a value up to the second one of its standard deviation; 9 at most."""
+    if not (value and 0 < sigma < math.inf):
+        return 9
+    return min(max(2 + math.floor(math.log10(abs(value))) - math.floor(math.log10(sigma)), 2), 9)
+
+
 def _identified(slope: NDArray[Any], names: list[str]) -> None:
     """Raises NumericsFailed if the data do not determine the unknowns; `slope` is by relative
     changes."""
     sizes = numpy.linalg.norm(slope, axis=0)
     for name, size in zip(names, sizes, strict=True):
         if not size > WITHOUT * sizes.max():
-            raise NumericsFailed(f"{name} has no influence on the data: take it from --free")
+            raise NumericsFailed(
+                f"{name} has no influence on the data: remove it from --free / --free-start"
+            )
     _, s, V = numpy.linalg.svd(slope / sizes)
     s = numpy.concatenate([s, numpy.zeros(len(names) - len(s))])
     unseen = V[s <= UNSEEN * s[0]] / sizes
     if not len(unseen):
         return
-    said = []
-    for way in _sparse(unseen):
-        by = zip(names, 100 * way, strict=True)
-        said.append(", ".join(f"{name} by {w:+.3g} %" for name, w in by if abs(w) > 0.1))
+    ways = [
+        {name: w for name, w in zip(names, 100 * way, strict=True) if abs(w) > 0.1}
+        for way in _sparse(unseen)
+    ]
+    free = " and ".join(name for name in names if any(name in way for way in ways))
+    said = [" and ".join(f"{name} by {w:+.3g} %" for name, w in way.items()) for way in ways]
     raise NumericsFailed(
-        f"the data do not see a change of {'; nor of '.join(said)} together: fix one of them, or "
-        "give a prior"
+        f"the data do not determine {free}: changing "
+        f"{' together has no effect, nor has changing '.join(said)} together has no effect; fix "
+        f"{'one' if len(ways) == 1 else len(ways)}, or give a prior"
     )
 
 

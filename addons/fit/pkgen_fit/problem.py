@@ -1,4 +1,4 @@
-"""The residuals of a fit and their derivatives, through the very steps of runs."""
+"""The residuals of a fit and their derivatives, exact for the numerical solution."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MOST_STEPS = 20_000  # of a run; values tried on the way may make a motion very 
 
 @record
 class Unknown:
-    """A parameter, or the start of a coordinate or rate in one experiment (None: in all)."""
+    """A parameter, or the start of a coordinate, rate or state in one experiment (None: in all)."""
 
     name: str
     unit: str

@@ -1,7 +1,8 @@
-"""The least-squares solution: Newton's method in a trust region (SciPy), from several starts.
+"""The least-squares solution: Gauss-Newton in a trust region (SciPy), from several starts.
 
 The error of a frequency has many local minima over a long record, but few over a short one: each
 start is first improved on a sixteenth of the record, the best of them on longer parts, up to all.
+Parts with too few samples are left out.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 PARTS = (1 / 16, 1 / 4, 1.0)  # parts of the record
 KEPT = (6, 3)  # solutions that go on to the next part
 TRIES = 24
-WIDE = 10.0  # parameters are sought between their values divided and multiplied by this
+WIDE = 10.0  # an unbounded parameter starts between its value divided and multiplied by this
 STEPS = (12, 25, 200)  # evaluations of each
 HUBER = 1.345  # in standard deviations: 95 % efficient for normal errors; P. J. Huber (1981)
 
@@ -39,7 +40,7 @@ def starts(unknowns: list[Unknown], tries: int) -> Iterator[NDArray[Any]]:
         inside = numpy.isfinite(lower) & numpy.isfinite(upper)
         x[inside] = lower[inside] + part[inside] * (upper - lower)[inside]
         for i, unknown in enumerate(unknowns):
-            if unknown.experiment is not None:  # a start that the data show
+            if unknown.experiment is not None:  # a start estimated from the data
                 x[i] = x0[i]
         yield numpy.clip(x, lower, upper)
 

@@ -140,18 +140,8 @@ def swing(tmp_path: Path, seed: int = 3) -> Path:
 def test_the_command_finds_a_frequency_far_off(tmp_path: Path) -> None:
     """The length of the model is 2.7 times that of the data."""
     path = swing(tmp_path)
-    words = [
-        "--free",
-        "l,c",
-        "--free-start",
-        "theta",
-        "--json",
-        "-o",
-        str(tmp_path / "fit.svg"),
-        "--tries",
-        "4",
-    ]
-    done = ran("fit", tmp_path / "pend.lag", path, *words)
+    words = ["--free", "l,c", "--free-start", "theta", "--json", "--tries", "4"]
+    done = ran("fit", tmp_path / "pend.lag", path, *words, "-o", tmp_path / "fit.svg")
     found = json.loads(done.stdout)["parameters"]
     assert found["l"]["value"] == pytest.approx(0.37, abs=4 * found["l"]["sigma"])
     assert found["l"]["sigma"] < 1e-3 and found["l"]["unit"] == "m"
@@ -237,10 +227,15 @@ def test_wrong_arguments(tmp_path: Path) -> None:
 def test_what_the_data_do_not_tell(tmp_path: Path) -> None:
     path = swing(tmp_path)
     model = pkgen.load(tmp_path / "pend.lag")
-    with pytest.raises(pkgen.NumericsFailed, match=r"do not see a change of m by .*c by"):
+    with pytest.raises(
+        pkgen.NumericsFailed, match=r"do not determine m and c: changing m by .*c by"
+    ):
         model.fit(path, ["l", "m", "c"], "theta", tries=1)
     model = pkgen.load(written(tmp_path, PENDULUM + "param idle = 2\nobserve o = idle\n"))
-    with pytest.raises(pkgen.NumericsFailed, match="idle has no influence on the data"):
+    with pytest.raises(
+        pkgen.NumericsFailed,
+        match="idle has no influence on the data: remove it from free= / free_start=",
+    ):
         model.fit(path, ["l", "idle"], "theta", tries=1)
 
 
@@ -305,7 +300,9 @@ def test_most_starts_are_tried_on_a_part_of_the_record(tmp_path: Path, monkeypat
     from pkgen_fit.problem import Problem
 
     parts, call = [], Problem.__call__
-    monkeypatch.setattr(Problem, "__call__", lambda self, x, part=1.0: parts.append(part) or call(self, x, part))
+    monkeypatch.setattr(
+        Problem, "__call__", lambda self, x, part=1.0: parts.append(part) or call(self, x, part)
+    )
     model = pkgen.load(written(tmp_path, PENDULUM))
     model.params.update(l=0.33, c=0.001)
     run = model.run(20, every=0.1)

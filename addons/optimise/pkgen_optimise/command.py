@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 
 from pkgen.api.model import load
 from pkgen.cli import arguments as shared
+from pkgen.cli.compilation import within_limits
 from pkgen.cli.pictures import picture_file
 from pkgen.plot import style
+from pkgen.run import named
 from pkgen.run.values import assignment
+from pkgen.scenes import lengths
 from pkgen.system.exits import DONE, UsageError
 from pkgen.system.files import replace
-from pkgen.system.near import near
 
-from .optimise import ITERATIONS, PIECES, optimised
+from .optimise import INTERVALS, ITERATIONS, optimised
 
 EXAMPLES = """
 pkgen optimise cart_pole.lag --integral "F^2" --input F=-20:20 --end theta=3.14159 --until 2
@@ -27,13 +30,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.as_of_a_run(parser)
     shared.of_a_state(parser)
     text = f"""
-        --minimise    COLUMN        its last value is the aim; t: the duration
-        --maximise    COLUMN        likewise
-        --integral    EXPR          its integral over time is added to the aim
-        --free-start  NAMES         coordinates and rates whose start is free
-        --pieces      int:N         of the motion (default: {PIECES})
-        --linear      -             inputs are linear in a piece (default: constant)
-        --method      NAME          of the motions
+        --minimise    COLUMN        its last value is the objective; t: the duration
+        --maximise    COLUMN        likewise, made largest
+        --integral    EXPR          its integral over time is added to the objective
+        --free-start  NAMES         coordinates, rates and states whose start is free
+        --intervals   int:N         of shooting (default: {INTERVALS})
+        --linear      -             inputs are linear in an interval (default: constant)
+        --method      NAME          of the runs
         --step        H             of a method of fixed steps
         --rtol        R             of an adaptive method
         --solver      NAME          ipopt (default where it is installed) or slsqp
@@ -45,46 +48,41 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--input", metavar="NAME=LOW:HIGH", help="an input that is free", **more)
     add("--free", metavar="NAME=LOW:HIGH", help="a parameter that is free", **more)
-    add("--end", metavar="NAME=VALUE", help="a column at the end, or LOW:HIGH", **more)
-    add("--path", metavar="NAME=LOW:HIGH", help="a column at the ends of all pieces", **more)
-    help_ = "it ends as it starts; NAME=COLUMN: it starts where that column ends"
-    add("--periodic", metavar="NAME", help=help_, **more)
-    add("--guess", metavar="NAME=A:B", help="the search goes from A to B; of t the mean", **more)
-    add("--until", metavar="T", required=True, help="the duration, or LOW:HIGH")
+    help_ = "terminal constraint: the value of a column at the end, or its range"
+    add("--end", metavar="NAME=VALUE|LOW:HIGH", help=help_, **more)
+    help_ = "path constraint: a column at the ends of all intervals"
+    add("--path", metavar="NAME=LOW:HIGH", help=help_, **more)
+    help_ = "the column ends with its start value; NAME=COLUMN: NAME starts with the end value of "
+    add("--periodic", metavar="NAME", help=help_ + "COLUMN", **more)
+    help_ = "first guess: linear from A to B; of t, the mean; of a parameter, A"
+    add("--guess", metavar="NAME=A:B", help=help_, **more)
+    add("--until", metavar="T|LOW:HIGH", required=True, help="the duration, or its range")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Find inputs, parameters, starts and a duration at which a motion is best."""
+    """Find inputs, parameters, starts and a duration at which an objective is least or largest."""
     picture = picture_file("-o", options.o) if options.o else None
-    model = load(options.model, options.scene)
-    inputs = {x.name for x in model.compilation.equations.inputs}
-    for text in options.set:
-        name, value = assignment("--set", text)
-        if name in inputs:
-            options.input.append(text)
-        elif name in model.params:
-            model.params[name] = value
-        else:
-            raise UsageError(f"--set {name}: {near(name, [*model.params], 'parameter')}")
+    with within_limits(options):
+        model = load(options.model, options.scene, lengths.given(options.size))
+    inputs = named.inputs(model.compilation)
+    held = [x for x in options.set if x.partition("=")[0].strip() in inputs]
+    options.set = [x for x in options.set if x not in held]
     given = {k: getattr(options, k) for k in ("minimise", "maximise", "integral", "until")}
-    ranges = {k: _ranges(f"--{k}", getattr(options, k)) for k in ("input", "free", "end", "path")}
-    of_run = {k: getattr(options, k) for k in ("method", "step", "rtol")}
+    ranges = {k: _ranges(f"--{k}", getattr(options, k)) for k in ("free", "end", "path", "guess")}
     found = optimised(
         model,
+        options,
         **{k: x or "" for k, x in given.items()},
-        inputs=ranges.pop("input"),
         **ranges,
-        free_start=[x.strip() for x in (options.free_start or "").split(",") if x.strip()],
+        inputs=_ranges("--input", [*options.input, *held]),
+        free_start=re.findall(r"[^\s,]+", options.free_start or ""),
         periodic=options.periodic,
-        pieces=PIECES if options.pieces is None else options.pieces,
+        intervals=INTERVALS if options.intervals is None else options.intervals,
         linear=options.linear,
-        guess=_ranges("--guess", options.guess),
         solver=options.solver or "",
         iterations=ITERATIONS if options.iterations is None else options.iterations,
-        start=dict(assignment("--start", text) for text in options.start),
-        **{k: x for k, x in of_run.items() if x is not None},
     )
-    print(json.dumps(found.record(), indent=1) if options.json else found.text(), end="")
+    print(json.dumps(found.record(), indent=1) if options.json else found.text())
     if picture:
         replace({picture: style.encoded(found.plot(), picture.suffix[1:])})
     return DONE

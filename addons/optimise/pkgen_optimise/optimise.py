@@ -1,7 +1,8 @@
-"""Finds the inputs, parameters, starts and the duration at which a motion is best."""
+"""Finds the inputs, parameters, starts and the duration at which an objective is optimal."""
 
 from __future__ import annotations
 
+import argparse
 import math
 import warnings
 from collections.abc import Mapping
@@ -12,37 +13,43 @@ import numpy
 from pkgen.api import arguments
 from pkgen.api.arguments import in_words
 from pkgen.api.model import Model
+from pkgen.run import named
 from pkgen.run.library import load
 from pkgen.run.values import Values
 from pkgen.system.exits import UsageError
 
 from .optimum import Optimum
+from .problem import INTEGRAL, Problem, Range, checked, ranges, units, whole
 from .shooting import BEGIN, SLOPE, Shooting
 from .solve import SOLVERS, Programme, solved
-from .wanted import INTEGRAL, Range, Wanted, checked, ranges, units, whole
 
-PIECES, ITERATIONS = 20, 300
+INTERVALS, ITERATIONS = 20, 300
 
 
 def optimise(model: Model, minimise: str = "", **more: Any) -> Optimum:
-    """Returns the motion at which the last value of the column `minimise` (or of `maximise`; "t" is
-    the duration), plus the integral over time of the expression `integral`, is least.
+    """Returns the motion with the least (or largest) objective: the last value of the column
+    `minimise` (or `maximise`; "t" is the duration) plus the integral over time of `integral`.
+    Without `maximise` the objective is made least; with it, largest, the integral too.
 
     `inputs` and `free` have ranges (least, largest) of inputs and parameters by name, None for no
-    end; inputs are constant in each of `pieces` pieces, or with `linear` linear there. `free_start`
-    names starts that are free. `end` has values or ranges of columns at the end, `path` at the ends
-    of all pieces. Columns `periodic` end as they start; {"theta": "after"}: theta starts where the
-    column `after` ends. `until` is a duration or a range of it. `guess` has (first, last) values by
-    name, between which the search begins. `solver` is "ipopt" or "slsqp", `iterations` their most.
-    Other arguments are those of Model.run(). A local optimum is found.
+    end; inputs are constant in each of `intervals` intervals, or with `linear` linear there.
+    `free_start` names coordinates, rates and states whose start is free. `end` has terminal
+    constraints, values or ranges of columns; `path` has path constraints, at the ends of all
+    intervals. Columns `periodic` end with their start values; {"theta": "after"}: theta starts with
+    the end value of the column `after`. `until` is a duration or a range of it. `guess` has (first,
+    last) values by name: the first guess is linear between them; of "t" it is their mean, of a
+    parameter the first. `solver` is "ipopt" or "slsqp", `iterations` their most. Other
+    arguments are those of Model.run(). The optimum is a local one.
 
     Raises UsageError, NumericsFailed."""
     with in_words():
-        return optimised(model, minimise, **more)
+        given = {k: more.pop(k) for k in [*more] if k in optimised.__kwdefaults__}
+        return optimised(model, arguments.options(model, more), minimise, **given)
 
 
 def optimised(
     model: Model,
+    options: argparse.Namespace,
     minimise: str = "",
     *,
     maximise: str = "",
@@ -54,14 +61,13 @@ def optimised(
     path: Mapping[str, Any] | None = None,
     periodic: arguments.Names | Mapping[str, str] = (),
     until: Any = None,
-    pieces: int = PIECES,
+    intervals: int = INTERVALS,
     linear: bool = False,
     guess: Mapping[str, Any] | None = None,
     solver: str = "",
     iterations: int = ITERATIONS,
-    **more: Any,
 ) -> Optimum:
-    """Does the work of optimise(). Messages name options."""
+    """Does the work of optimise(); `options` are those of the runs. Messages name options."""
     if minimise and maximise:
         raise UsageError("--minimise and --maximise: give one of them")
     if solver and solver not in SOLVERS:
@@ -73,24 +79,23 @@ def optimised(
     of = model.compilation
     if of.looped:
         raise UsageError("optimise: there is none for families kept as loops")
-    wanted = Wanted(
-        minimise or maximise,
-        -1.0 if maximise else 1.0,
-        bool(integral),
-        ranges(of, "--input", inputs or {}, "input"),
-        ranges(of, "--free", free or {}, "parameter"),
-        tuple(arguments.several(free_start)),
-        ranges(of, "--end", end or {}, "column"),
-        ranges(of, "--path", path or {}, "column"),
-        _pairs(periodic),
-        _duration(of, until),
-        ranges(of, "--guess", guess or {}, "quantity"),
-        whole("--pieces", pieces, 1000),
-        linear,
+    problem = Problem(
+        column=minimise or maximise,
+        sign=-1.0 if maximise else 1.0,
+        integral=bool(integral),
+        inputs=ranges(of, "--input", inputs or {}, "input"),
+        parameters=ranges(of, "--free", free or {}, "parameter"),
+        starts=tuple(arguments.several(free_start)),
+        end=ranges(of, "--end", end or {}, "column"),
+        path=ranges(of, "--path", path or {}, "column"),
+        periodic=_pairs(periodic),
+        duration=_duration(of, until),
+        guess=ranges(of, "--guess", guess or {}, "quantity"),
+        intervals=whole("--intervals", intervals, 1000),
+        linear=linear,
     )
-    return _found(
-        model, checked(wanted, of), solver, whole("--iterations", iterations, 10**6), more
-    )
+    problem = checked(problem, of)
+    return _found(model, problem, solver, whole("--iterations", iterations, 10**6), options)
 
 
 def _pairs(periodic: Any) -> dict[str, str]:
@@ -114,34 +119,29 @@ def _duration(of: Any, until: Any) -> Range:
 
 
 def _found(
-    model: Model,
-    wanted: Wanted,
-    solver: str,
-    iterations: int,
-    more: dict[str, Any],
+    model: Model, problem: Problem, solver: str, iterations: int, options: argparse.Namespace
 ) -> Optimum:
-    inner, sets = model, []
-    if wanted.linear and wanted.inputs:
-        lines, of_unit = "", units(model.compilation)
-        time = "" if model.compilation.model.dimensionless else "s"
-        for j, name in enumerate(wanted.inputs):
+    inner, sets = model, list(options.set)
+    if problem.linear and problem.inputs:
+        lines, of_unit, time = "", units(model.compilation), Values(model.compilation).time
+        for j, name in enumerate(problem.inputs):
             begin, slope = BEGIN.format(j), SLOPE.format(j)
             unit = of_unit[name]
             rate = f" [{unit}/s]" if unit and time else f" [1/{time}]" if time else ""
             lines += f"param {begin} = 0{f' [{unit}]' if unit else ''}\nparam {slope} = 0{rate}\n"
             sets.append(f"{name}={begin} + {slope}*t")
         inner = model.extended(lines, {})
-    h = wanted.duration[1] / wanted.pieces
-    options = arguments.options(inner, {**more, "until": h, "every": h})
-    options.set += sets
+    h = repr(problem.duration[1] / problem.intervals)
+    of_run = argparse.Namespace(**{**vars(options), "until": h, "every": h, "set": sets})
     with warnings.catch_warnings():  # of lines that a scene alone uses
         warnings.simplefilter("ignore")
-        prepared = inner.taped(options)
+        prepared = inner.taped(of_run)
     given = load(prepared.library).run(prepared.settings, idle=True).given()
-    shooting = Shooting(prepared, wanted)
+    shooting = Shooting(prepared, problem)
     values = [*given["q"][: shooting.q.count], *given["v"]]  # an integral comes last
     now = dict(zip(shooting.moving, values, strict=False))
-    now |= {name: model.params[name] for name in wanted.parameters}
+    places = named.parameters(prepared.compilation)
+    now |= {name: float(given["parameters"][places[name][0]]) for name in problem.parameters}
     programme = Programme(shooting, *_bounded(shooting, now))
     z, name, said = solved(programme, solver, iterations)
     return Optimum(model, shooting, z, name, said)
@@ -152,31 +152,31 @@ def _bounded(
 ) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
     """Returns a first guess of z, and its bounds; `now` has the model's own values. States go
     straight from their start to their end."""
-    w, z = s.wanted, numpy.zeros(s.size)
+    problem, z = s.problem, numpy.zeros(s.size)
     lower, upper = numpy.full(s.size, -math.inf), numpy.full(s.size, math.inf)
-    part = numpy.linspace(0, 1, w.pieces + 1)
+    part = numpy.linspace(0, 1, problem.intervals + 1)
     for i, name in enumerate(s.moving):
         first = last = now[name]
-        if name in w.end:
-            last = min(max(first, w.end[name][0]), w.end[name][1])
-        if name in w.guess:
-            first, last = w.guess[name]
+        if name in problem.end:
+            last = min(max(first, problem.end[name][0]), problem.end[name][1])
+        if name in problem.guess:
+            first, last = problem.guess[name]
         z[s.states[:, i]] += first + part * (last - first)
-        if name in s.q and (rate := f"{name}'") in s.moving and rate not in w.guess:
-            z[s.states[:, s.moving.index(rate)]] += (last - first) / (sum(w.duration) / 2)
-        if name in w.path:
-            lower[s.states[:, i]], upper[s.states[:, i]] = w.path[name]
-        if name not in w.starts:
+        if name in s.q and (rate := f"{name}'") in s.moving and rate not in problem.guess:
+            z[s.states[:, s.moving.index(rate)]] += (last - first) / (sum(problem.duration) / 2)
+        if name in problem.path:
+            lower[s.states[:, i]], upper[s.states[:, i]] = problem.path[name]
+        if name not in problem.starts:
             place = s.states[0, i]
             z[place] = lower[place] = upper[place] = now[name]
     for j, name in enumerate(s.inputs):
-        low, high = w.inputs[name]
+        low, high = problem.inputs[name]
         lower[s.u[:, j]], upper[s.u[:, j]] = low, high
-        ends = w.guess.get(name, (min(max(0.0, low), high),) * 2)
+        ends = problem.guess.get(name, (min(max(0.0, low), high),) * 2)
         z[s.u[:, j]] = numpy.linspace(*ends, len(s.u))
     for k, name in enumerate(s.parameters):
-        lower[s.p[k]], upper[s.p[k]] = low, high = w.parameters[name]
-        z[s.p[k]] = min(max(w.guess.get(name, (now[name],))[0], low), high)
-    lower[s.T], upper[s.T] = w.duration
-    z[s.T] = sum(w.guess["t"]) / 2 if "t" in w.guess else sum(w.duration) / 2
+        lower[s.p[k]], upper[s.p[k]] = low, high = problem.parameters[name]
+        z[s.p[k]] = min(max(problem.guess.get(name, (now[name],))[0], low), high)
+    lower[s.T], upper[s.T] = problem.duration
+    z[s.T] = sum(problem.guess["t"]) / 2 if "t" in problem.guess else sum(problem.duration) / 2
     return z, lower, upper

@@ -1,4 +1,4 @@
-"""The optimum: the inputs over time, the motion, and what was sought."""
+"""The optimum: the objective, the inputs over time, the motion and the parameters."""
 
 from __future__ import annotations
 
@@ -17,18 +17,17 @@ if TYPE_CHECKING:
 
 
 class Optimum:
-    """`aim` is the least (or largest) value; `t` has the times of the ends of pieces, `states` and
-    `inputs` columns there by name (a constant input has one value less), `parameters` and
-    `start` values by name."""
+    """`objective` is the least (or largest) value; `t` has the times of the ends of intervals,
+    `states` and `inputs` columns there by name (a constant input has one value less), `parameters`
+    and `start` values by name."""
 
     def __init__(self, model: Model, shooting: Shooting, z: NDArray[Any], solver: str, said: str):
-        w = shooting.wanted
         self._model, self._shooting = model, shooting
         found = shooting.evaluated(z)
         assert found
-        self.aim = w.sign * float(found["aim"])
+        self.objective = shooting.problem.sign * float(found["objective"])
         self.duration = float(z[shooting.T])
-        self.t = numpy.linspace(0, self.duration, w.pieces + 1)
+        self.t = numpy.linspace(0, self.duration, shooting.problem.intervals + 1)
         states = numpy.vstack([found["start"], z[shooting.states[1:]]]).T
         self.states = dict(zip(shooting.moving, states, strict=True))
         self.inputs = {name: z[shooting.u[:, j]] for j, name in enumerate(shooting.inputs)}
@@ -39,26 +38,21 @@ class Optimum:
 
     def tables(self) -> dict[str, tuple[Any, ...]]:
         """Returns the inputs as Model.run() takes them."""
-        if self._shooting.wanted.linear:
+        if self._shooting.problem.linear:
             return {name: (self.t, u) for name, u in self.inputs.items()}
         return {name: (self.t, numpy.append(u, u[-1]), "hold") for name, u in self.inputs.items()}
 
     def run(self, **more: Any) -> Result:
         """Makes the whole motion in one run, with the inputs as tables."""
-        kept = dict(self._model.params._set)
-        self._model.params.update(self.parameters)
-        try:
-            given = {"start": self.start, "inputs": self.tables(), "until": self.duration}
-            return self._model.run(**(given | more))
-        finally:
-            for name in self.parameters:
-                del self._model.params[name]
-            self._model.params.update(kept)
+        model = self._model.extended("", {}) if self.parameters else self._model
+        model.params.update(self.parameters)
+        given = {"start": self.start, "inputs": self.tables(), "until": self.duration}
+        return model.run(**(given | more))
 
     def record(self) -> dict[str, Any]:
         """Returns what `--json` prints."""
         return {
-            "aim": self.aim,
+            "objective": self.objective,
             "duration": self.duration,
             "parameters": self.parameters,
             "start": self.start,
@@ -71,7 +65,7 @@ class Optimum:
         }
 
     def text(self) -> str:
-        lines = [f"aim = {self.aim:.9g}", f"duration = {self.duration:.9g}"]
+        lines = [f"objective = {self.objective:.9g}", f"duration = {self.duration:.9g}"]
         lines += [f"{name} = {x:.9g}" for name, x in self.parameters.items()]
         names = [*self.inputs, *self.states]
         columns = [*self.inputs.values(), *self.states.values()]
@@ -79,7 +73,7 @@ class Optimum:
         for k, t in enumerate(self.t):
             rows.append([f"{t:.6g}", *(f"{x[min(k, len(x) - 1)]:.6g}" for x in columns)])
         lines += ["  ".join(f"{cell:>12}" for cell in row) for row in rows]
-        return "\n".join([*lines, f"by {self.solver}, {self.runs} motions of a piece", ""])
+        return "\n".join([*lines, f"by {self.solver}, {self.runs} runs of an interval"])
 
     def plot(self) -> Figure:
         """Draws inputs and states over time."""

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 SOLVERS = ("ipopt", "slsqp")
 CLOSE = 1e-7  # largest violation of a constraint at an optimum, relative to its scale
-Found = tuple["NDArray[Any]", str, bool]  # the unknowns, what the solver said, whether it is sure
+Found = tuple["NDArray[Any]", str, bool]  # unknowns, the solver's message, whether it converged
 
 
 class Programme:
@@ -31,17 +31,19 @@ class Programme:
         self.scale = self._scale(lower, upper)[self.free]
         self.bounds = [numpy.clip(x[self.free] / self.scale, -1e20, 1e20) for x in (lower, upper)]
         self.start = numpy.clip(self.z[self.free] / self.scale, *self.bounds)
-        self.sizes = dict.fromkeys(("equal", "above"), numpy.ones(1))
+        self.sizes = dict.fromkeys(("equalities", "inequalities"), numpy.ones(1))
         first = self.at(self.start)
         if first is None:
             raise NumericsFailed(f"a motion from the first guess fails: {shooting.failed}")
         near = self.at(self.start + 0.1) or first  # the slope at the guess itself may be 0
-        self.of_aim = max(float(abs(x["slope"]).max(initial=0)) for x in (first, near)) or 1.0
+        self.objective_scale = (
+            max(float(abs(x["gradient"]).max(initial=0)) for x in (first, near)) or 1.0
+        )
         for k in self.sizes:  # a violation is a part of the scale of the unknowns
             slopes = [abs(x[f"{k}_by"]).max(axis=1, initial=0) for x in (first, near)]
             size = numpy.maximum(*slopes)
             self.sizes[k] = numpy.where(size > 0, size, 1.0)
-        self.counts = len(first["equal"]), len(first["above"])
+        self.counts = len(first["equalities"]), len(first["inequalities"])
 
     def _scale(self, lower: NDArray[Any], upper: NDArray[Any]) -> NDArray[Any]:
         """Returns sizes of the unknowns: the largest of a column, or a quarter of its range."""
@@ -62,7 +64,10 @@ class Programme:
         found = self.shooting.evaluated(self.whole(x))
         if found is None:
             return None
-        by = {k: found[k][..., self.free] * self.scale for k in ("slope", "equal_by", "above_by")}
+        by = {
+            k: found[k][..., self.free] * self.scale
+            for k in ("gradient", "equalities_by", "inequalities_by")
+        }
         for k, size in self.sizes.items():
             by |= {k: found[k] / size, f"{k}_by": by[f"{k}_by"] / size[:, None]}
         return found | by
@@ -71,12 +76,12 @@ class Programme:
         found = self.at(x)
         if found is None:
             return numpy.inf
-        off = [abs(found["equal"]).max(initial=0), (-found["above"]).max(initial=0)]
+        off = [abs(found["equalities"]).max(initial=0), (-found["inequalities"]).max(initial=0)]
         return float(max(off))
 
 
 def solved(programme: Programme, solver: str, iterations: int) -> tuple[NDArray[Any], str, str]:
-    """Returns the unknowns z, the solver, and what it said. Raises NumericsFailed, UsageError."""
+    """Returns the unknowns z, the solver, and its message. Raises NumericsFailed, UsageError."""
     found = None
     if solver in ("", "ipopt"):
         found = _ipopt(programme, iterations)
@@ -87,8 +92,9 @@ def solved(programme: Programme, solver: str, iterations: int) -> tuple[NDArray[
     off = programme.violation(x)
     if not off <= CLOSE:
         raise NumericsFailed(
-            f"no motion was found that meets all that is wanted: it is off by {off:.2g} ({said}): "
-            "want less, give more --pieces or --iterations, or begin nearer by --guess"
+            "no motion was found that satisfies the constraints: the largest violation is "
+            f"{off:.2g} ({said}): relax them, give more --intervals or --iterations, or begin "
+            "nearer by --guess"
         )
     if not good:
         raise NumericsFailed(
@@ -103,8 +109,8 @@ def _slsqp(programme: Programme, iterations: int) -> Found:
         from scipy.optimize import minimize
     except ImportError:
         raise UsageError("pkgen optimise needs SciPy: pip install 'pkgen-lag[analysis]'") from None
-    equal, above = programme.counts
-    aim = programme.of_aim
+    equalities, inequalities = programme.counts
+    scale = programme.objective_scale
     last: dict[str, Any] = programme.at(programme.start)
 
     def at(x: NDArray[Any]) -> dict[str, Any]:
@@ -113,22 +119,33 @@ def _slsqp(programme: Programme, iterations: int) -> Found:
         if found is not None:
             last = found
             return found
-        far = {"aim": abs(last["aim"]) + 1e6 * aim, "equal": last["equal"] + 1e3}
+        far = {
+            "objective": abs(last["objective"]) + 1e6 * scale,
+            "equalities": last["equalities"] + 1e3,
+        }
         return last | far  # a step that is too long: the line search shortens it
 
     constraints = [
-        {"type": "eq", "fun": lambda x: at(x)["equal"], "jac": lambda x: at(x)["equal_by"]}
+        {
+            "type": "eq",
+            "fun": lambda x: at(x)["equalities"],
+            "jac": lambda x: at(x)["equalities_by"],
+        }
     ]
-    if above:
+    if inequalities:
         constraints.append(
-            {"type": "ineq", "fun": lambda x: at(x)["above"], "jac": lambda x: at(x)["above_by"]}
+            {
+                "type": "ineq",
+                "fun": lambda x: at(x)["inequalities"],
+                "jac": lambda x: at(x)["inequalities_by"],
+            }
         )
     found = minimize(
-        lambda x: at(x)["aim"] / aim,
+        lambda x: at(x)["objective"] / scale,
         programme.start,
-        jac=lambda x: at(x)["slope"] / aim,
+        jac=lambda x: at(x)["gradient"] / scale,
         bounds=list(zip(*programme.bounds, strict=True)),
-        constraints=constraints if equal else constraints[1:],
+        constraints=constraints if equalities else constraints[1:],
         method="SLSQP",
         options={"maxiter": iterations, "ftol": 1e-11},
     )
@@ -140,9 +157,9 @@ def _ipopt(programme: Programme, iterations: int) -> Found | None:
         import cyipopt
     except ImportError:
         return None
-    equal, above = programme.counts
+    equalities, inequalities = programme.counts
 
-    class Problem:
+    class Callbacks:
         def _at(self, x: NDArray[Any]) -> dict[str, Any]:
             found = programme.at(x)
             if found is None:
@@ -150,27 +167,27 @@ def _ipopt(programme: Programme, iterations: int) -> Found | None:
             return found
 
         def objective(self, x: NDArray[Any]) -> float:
-            return self._at(x)["aim"] / programme.of_aim
+            return self._at(x)["objective"] / programme.objective_scale
 
         def gradient(self, x: NDArray[Any]) -> NDArray[Any]:
-            return self._at(x)["slope"] / programme.of_aim
+            return self._at(x)["gradient"] / programme.objective_scale
 
         def constraints(self, x: NDArray[Any]) -> NDArray[Any]:
             found = self._at(x)
-            return numpy.concatenate([found["equal"], found["above"]])
+            return numpy.concatenate([found["equalities"], found["inequalities"]])
 
         def jacobian(self, x: NDArray[Any]) -> NDArray[Any]:
             found = self._at(x)
-            return numpy.concatenate([found["equal_by"], found["above_by"]]).ravel()
+            return numpy.concatenate([found["equalities_by"], found["inequalities_by"]]).ravel()
 
     problem = cyipopt.Problem(
         n=len(programme.free),
-        m=equal + above,
-        problem_obj=Problem(),
+        m=equalities + inequalities,
+        problem_obj=Callbacks(),
         lb=programme.bounds[0],
         ub=programme.bounds[1],
-        cl=numpy.zeros(equal + above),
-        cu=numpy.concatenate([numpy.zeros(equal), numpy.full(above, 1e20)]),
+        cl=numpy.zeros(equalities + inequalities),
+        cu=numpy.concatenate([numpy.zeros(equalities), numpy.full(inequalities, 1e20)]),
     )
     options = {
         "print_level": 0,

@@ -122,7 +122,7 @@ observe stride = 2*l*sin((s - n)/2)
 
 
 def best(tmp_path: Path, text: str, solver: str = "", **more):
-    """The optimum, whose inputs in one run lead to where its pieces lead."""
+    """The optimum, whose inputs in one run lead to where its intervals lead."""
     if solver == "ipopt":
         pytest.importorskip("cyipopt")
     found = pkgen.load(written(tmp_path, text)).optimise(solver=solver, **more)

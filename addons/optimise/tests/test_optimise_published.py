@@ -17,12 +17,12 @@ pytestmark = pytest.mark.needs_addon("optimise")
 @pytest.mark.long
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_cart_pole(solver: str, tmp_path: Path) -> None:
-    """M. Kelly, SIAM Review 59 (2017) 849, section 6: about 58.8; 58.81 with 40 pieces."""
+    """M. Kelly, SIAM Review 59 (2017) 849, section 6: about 58.8; 58.81 with 40 intervals."""
     end = {"x": 1, "theta": math.pi, "x'": 0, "theta'": 0}
     limits = {"inputs": {"F": (-20, 20)}, "path": {"x": (-2, 2)}}
     wanted = {"integral": "F^2", "end": end, "until": 2, "linear": True}
     found = best(tmp_path, CART_POLE, solver, **wanted, **limits)
-    assert found.aim == pytest.approx(58.8711147, abs=1e-6)
+    assert found.objective == pytest.approx(58.8711147, abs=1e-6)
 
 
 @pytest.mark.parametrize("solver", [SOLVERS[0], pytest.param("slsqp", marks=pytest.mark.long)])
@@ -32,7 +32,7 @@ def test_steering(solver: str, tmp_path: Path) -> None:
     end, guess = {"y": 5, "x'": 45, "y'": 0}, {"t": (0.5, 0.7), "s": (1, -1)}
     wanted = {"minimise": "t", "end": end, "guess": guess, "linear": True}
     found = best(tmp_path, STEERING, solver, **wanted, **limits)
-    assert found.aim == pytest.approx(0.554570879, abs=4e-8)
+    assert found.objective == pytest.approx(0.554570879, abs=4e-8)
 
 
 def test_goddard(tmp_path: Path) -> None:
@@ -41,17 +41,17 @@ def test_goddard(tmp_path: Path) -> None:
     wanted = {"maximise": "h", "end": {"m": 0.6}, "guess": guess}
     limits = {"inputs": {"T": (0, 3.5)}, "until": (0.1, 0.3)}
     found = best(tmp_path, GODDARD, "ipopt", **wanted, **limits)
-    assert found.aim == pytest.approx(1.01283, abs=5e-6)
+    assert found.objective == pytest.approx(1.01283, abs=5e-6)
 
 
 @pytest.mark.long
 def test_acrobot_swings_up_and_a_finer_grid_agrees(tmp_path: Path) -> None:
     end = {"q1": math.pi, "q2": 0, "q1'": 0, "q2'": 0}
     wanted = {"integral": "u^2", "inputs": {"u": (-20, 20)}, "end": end, "until": 3}
-    found = [best(tmp_path, ACROBOT, "ipopt", linear=True, pieces=n, **wanted) for n in (15, 30)]
+    found = [best(tmp_path, ACROBOT, "ipopt", linear=True, intervals=n, **wanted) for n in (15, 30)]
     run = found[1].run(rtol=1e-11)
     assert [run[name][-1] for name in end] == pytest.approx([*end.values()], abs=1e-6)
-    assert found[1].aim == pytest.approx(found[0].aim, rel=3e-4)
+    assert found[1].objective == pytest.approx(found[0].objective, rel=3e-4)
 
 
 def crossed(r: numpy.ndarray, v: numpy.ndarray) -> float:
@@ -82,7 +82,7 @@ def test_a_gait_repeats_and_its_impact_keeps_angular_momenta(solver: str, tmp_pa
     wanted = {"integral": "u^2", "inputs": {"u": (-60, 60)}, "free_start": names, "until": 0.7}
     wanted |= {"end": {"foot": 0, "stride": 0.4}, "periodic": returns}
     guess = {"s": (-0.2, 0.2), "n": (0.2, -0.2), "s'": (1, 1), "n'": (-0.2, -1)}
-    found = best(tmp_path, WALKER, solver, linear=True, pieces=12, guess=guess, **wanted)
+    found = best(tmp_path, WALKER, solver, linear=True, intervals=12, guess=guess, **wanted)
     model = pkgen.load(tmp_path / "walker.lag")
     start, more = dict(found.start), {"inputs": found.tables(), "rtol": 1e-11}
     for _ in range(2):

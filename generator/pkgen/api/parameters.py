@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 import numpy
 
-from ..front.data import WrongData, bringing, of_arrays
+from ..front.data import WrongData, bringing, brought, of_arrays
 from ..run import named
 from ..run.values import Values
 from ..system.exits import UsageError
@@ -90,7 +90,7 @@ class Tables(Given[Arrays]):
     what = "table"
 
     def brought(self) -> Any:
-        return bringing(self._set)
+        return bringing({**brought(), **self._set})
 
     def _every(self) -> dict[str, Any]:
         return {x.name: x for x in self._model.compilation.model.tables}

@@ -123,7 +123,7 @@ def beside(user: str, name: str) -> tuple[str, str]:
 @contextmanager
 def allowing(*folders: str | os.PathLike[str]) -> Iterator[None]:
     """Within the context, models and plans may also refer to files in these folders."""
-    token = _ALLOWED.set(tuple(map(os.path.realpath, folders)))
+    token = _ALLOWED.set((*_ALLOWED.get(), *map(os.path.realpath, folders)))
     try:
         yield
     finally:

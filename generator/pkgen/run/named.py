@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from bisect import bisect
 from collections.abc import Iterable, Iterator, Mapping
@@ -189,6 +190,14 @@ def parameters(compilation: Compilation) -> Named:
     return Named([_declared(Quantity(x.name, x.unit, x.description), found[x.name]) for x in items])
 
 
+def bounds(compilation: Compilation, name: str) -> tuple[float, float]:
+    """Returns the bounds of a parameter. A bound that is no number in the model is infinite."""
+    e = compilation.equations
+    slot = e.parameters[parameters(compilation)[name][0]]
+    low, high = (None if x is None else e.graph.value(x) for x in (slot.lo, slot.hi))
+    return (-math.inf if low is None else float(low), math.inf if high is None else float(high))
+
+
 def events(compilation: Compilation) -> list[str]:
     """Returns the names of the events that a run detects, by their numbers. Those of contacts
     alone begin with a digit."""
@@ -229,9 +238,9 @@ def kinds(compilation: Compilation) -> dict[str, Named]:
     }
 
 
-def units(compilation: Compilation) -> dict[str, str]:
-    """Returns the units of the columns of rows, without t, and of the inputs, by name."""
-    found = [*kinds(compilation).values(), inputs(compilation)]
+def units(compilation: Compilation, *more: Named) -> dict[str, str]:
+    """Returns the units of columns without t, of inputs and of `more` quantities, by name."""
+    found = [*kinds(compilation).values(), inputs(compilation), *more]
     return {item.quantity.name: item.quantity.unit for of in found for item in of.declared}
 
 
