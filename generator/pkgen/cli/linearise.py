@@ -61,10 +61,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _refuse(options: argparse.Namespace) -> None:
     if options.plot is None:
-        for option in ("transfer", "output"):
-            if getattr(options, option) is not None:
-                shown = {"output": "-o"}.get(option, f"--{option}")
-                raise UsageError(f"{shown} is of a picture: --plot {' or '.join(KINDS)}")
+        if options.transfer or options.output:
+            raise UsageError(f"--transfer and -o are of a picture: --plot {' or '.join(KINDS)}")
         return
     needs("matplotlib")
     if options.json or options.matlab:

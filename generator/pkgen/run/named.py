@@ -195,7 +195,7 @@ def bounds(compilation: Compilation, name: str) -> tuple[float, float]:
     e = compilation.equations
     slot = e.parameters[parameters(compilation)[name][0]]
     low, high = (None if x is None else e.graph.value(x) for x in (slot.lo, slot.hi))
-    return (-math.inf if low is None else float(low), math.inf if high is None else float(high))
+    return -math.inf if low is None else float(low), math.inf if high is None else float(high)
 
 
 def events(compilation: Compilation) -> list[str]:

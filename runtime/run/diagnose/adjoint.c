@@ -11,9 +11,8 @@
 #include "../settings/settings.h"
 #include "tape.h"
 
-/* largest number of stages */
+/* largest number of stages, not below PK_MOST_STAGES */
 enum { MOST = 24 };
-_Static_assert(MOST >= PK_MOST_STAGES, "explicit methods fit");
 
 struct adjoint {
     struct pk_run *run;

@@ -68,17 +68,13 @@ def settled(
     status, found = modes(system, state, moving)
     by_rate = numpy.arange(system.n) >= system.m
     by_rate[system.given["cyclic"]] = True
-    moved = state + numpy.concatenate(
-        [numpy.where(by_rate, 0, error), numpy.where(by_rate, error, 0)]
-    )
+    moved = state + numpy.concatenate([error * ~by_rate, error * by_rate])
     known, others = modes(system, moved, moving)
     if known != "PK_DONE":
         return status, found
-    beside = numpy.array([complex(m.growth, m.frequency) for m in others])
+    beside = numpy.array([m.value for m in others])
     return status, [
-        m
-        if (abs(complex(m.growth, m.frequency) - beside) <= SAME * m.rate).any()
-        else Mode(0.0, 0.0, m.re, m.im)
+        m if (abs(m.value - beside) <= SAME * m.rate).any() else Mode(0.0, 0.0, m.re, m.im)
         for m in found
     ]
 
@@ -102,8 +98,7 @@ def _mode(value: complex, shape: numpy.ndarray, free: numpy.ndarray) -> Mode:
 def _cleared(values: numpy.ndarray) -> numpy.ndarray:
     """Sets real and imaginary parts that are small relative to the largest modulus to 0."""
     least = ZERO * abs(values).max(initial=0.0)
-    parts = (numpy.where(abs(x) <= least, 0.0, x) for x in (values.real, values.imag))
-    re, im = parts
+    re, im = (numpy.where(abs(x) <= least, 0.0, x) for x in (values.real, values.imag))
     return re + 1j * im
 
 

@@ -24,9 +24,14 @@ class Mode:
     on_group: bool = False  # the mode is a body's rotation: it limits Lie-group methods only
 
     @property
+    def value(self) -> complex:
+        """lambda."""
+        return complex(self.growth, self.frequency)
+
+    @property
     def rate(self) -> float:
         """|lambda|."""
-        return math.hypot(self.growth, self.frequency)
+        return abs(self.value)
 
 
 @record

@@ -150,12 +150,9 @@ class Linear:
 
     def text(self) -> str:
         """Returns the model as tables."""
-        lines = []
-        for name, matrix, rows, columns in (
-            ("A", self.A, self.states, self.states),
-            ("B", self.B, self.states, self.inputs),
-            ("C", self.C, self.outputs, self.states),
-            ("D", self.D, self.outputs, self.inputs),
+        lines, x, u, y = [], self.states, self.inputs, self.outputs
+        for name, matrix, rows, columns in zip(
+            "ABCD", self, (x, x, y, y), (x, u, x, u), strict=True
         ):
             if matrix.size:
                 cells = [[f"{x:.10g}" for x in values] for values in matrix]
@@ -164,8 +161,7 @@ class Linear:
         lines.append("poles: " + ", ".join(f"{z:.10g}" for z in self.poles))
         lines.append("at " + ", ".join(f"{k} = {x:.10g}" for k, x in self.state.items()))
         if self.inputs:
-            reached = self.controllability()[0]
-            lines.append(f"controllable: {reached} of {len(self.states)}")
+            lines.append(f"controllable: {self.controllability()[0]} of {len(self.states)}")
             lines.append("inputs " + ", ".join(f"{k} = {x:.10g}" for k, x in self.input.items()))
         lines.append(f"observable: {self.observability()[0]} of {len(self.states)}")
         return "\n".join(lines) + "\n"
@@ -175,8 +171,8 @@ class Linear:
         of = {name: matrix.tolist() for name, matrix in zip("ABCD", self, strict=True)}
         names = {k: list(getattr(self, k)) for k in ("states", "inputs", "outputs")}
         poles = [[z.real, z.imag] for z in self.poles.tolist()]
-        at = {"t": self.t, "state": self.state, "input": self.input, "period": self.period}
-        return {**of, **names, "units": self.units, "poles": poles, **at}
+        kept = ("units", "t", "state", "input", "period")
+        return {**of, **names, "poles": poles, **{k: getattr(self, k) for k in kept}}
 
 
 def _reached(A: NDArray[Any], B: NDArray[Any]) -> tuple[int, NDArray[Any]]:

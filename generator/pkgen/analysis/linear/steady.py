@@ -74,7 +74,7 @@ class Steady:
         self.bases = primes(len(self.start) + 1)[1:]
         self.middle = self.start.copy()
         turns = [not self.by_rate[i] and self._is_turn(i) for i in range(n)]
-        self.turns = numpy.array([*turns, *(False for _ in self.moving)])
+        self.turns = numpy.array([*turns, *[False] * len(self.moving)])
         self.middle[self.turns] = 0
         self.box = self._box()
         plain = not system.bound and not self.moving and n == m

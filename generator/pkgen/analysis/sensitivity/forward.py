@@ -22,12 +22,13 @@ KERNELS = {"observed": ("outputs", "out_d"), "energy": ("energy", "energy_d")}
 
 
 def column(tape: Tape, name: str) -> tuple[str, int]:
-    """Returns the kind of a column, as in named.kinds() or "t", and its index. Raises
-    UsageError."""
+    """Returns the kind of a column, one of KERNELS, "t" or "state", and its index; a state is
+    (q, v). Raises UsageError."""
     kinds = named.kinds(tape.compilation)
     for kind, of in kinds.items():
         if name in of:
-            return kind, of[name][0]
+            k = of[name][0]
+            return (kind, k) if kind in KERNELS else ("state", k + (tape.n if kind == "v" else 0))
     if name == "t":
         return "t", 0
     known = ["t", *(x for of in kinds.values() for x in of)]
@@ -86,14 +87,14 @@ class Sensitivities:
             return self.moved[2]
         if kind in KERNELS:
             return self._by_kernel(KERNELS[kind][1])[:, k]
-        return self.moved[1][:, :, k + (self.tape.n if kind == "v" else 0)]
+        return self.moved[1][:, :, k]
 
     def values(self, name: str) -> NDArray[Any]:
         """Returns a column but t at the rows, of shape (rows,)."""
         kind, k = column(self.tape, name)
         n, states = self.tape.n, self.moved[0]
-        if kind in ("q", "v"):
-            return states[:, k + (n if kind == "v" else 0)]
+        if kind == "state":
+            return states[:, k]
         given = self._t, states[:, :n], states[:, n:], self._inputs
         return self.tape.run.evaluate(KERNELS[kind][0], *given)[:, k]
 

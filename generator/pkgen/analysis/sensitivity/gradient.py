@@ -26,8 +26,8 @@ def _at_end(tape: Tape, of: str) -> numpy.ndarray:
     last, n = len(tape.rows) - 1, 2 * tape.n
     kind, k = column(tape, of)
     row = numpy.zeros(tape.width)  # by (q, v, t, u, p)
-    if kind in ("q", "v"):
-        row[k + (tape.n if kind == "v" else 0)] = 1
+    if kind == "state":
+        row[k] = 1
     elif kind == "t":
         row[n] = 1
     else:

@@ -30,7 +30,7 @@ def _displacement(system: System, modes: Sequence[Mode], amplitude: float) -> nu
     moved = numpy.zeros(2 * n)
     for mode in modes:
         shape = numpy.array(mode.re) + 1j * numpy.array(mode.im)
-        rates = complex(mode.growth, mode.frequency) * shape
+        rates = mode.value * shape
         moved[:m] += amplitude * shape.real[:m]
         moved[n:] += amplitude * numpy.where(numpy.arange(n) < m, rates.real, shape.real)
     return moved
