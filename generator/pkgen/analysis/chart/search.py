@@ -26,7 +26,7 @@ AIM = 0.8  # intended error of a trial, relative to the accuracy
 # Bounds on the setting of a trial, between those of the looser point (0) and the tighter point (1).
 INNER = (0.25, 0.75)
 # Errors of a method still fall if a setting finer by COARSER multiplies them by less than FALLING.
-COARSER, FALLING = 1.2, 0.7
+COARSER, FALLING = 1.5, 0.7
 FOREMOST = 3  # largest number of methods that are measured in one round of _go_on()
 UNSEEN = 1e-2  # if the error of a method is unknown: intended ratio of the next to the last error
 ROUNDS, TIMED = 3, 1.5  # rounds of timing; points within TIMED times the fastest take part
