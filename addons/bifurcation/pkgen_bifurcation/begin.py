@@ -24,7 +24,7 @@ LATER_STEPS = (500, 5000)  # steps after which a motion with friction may be nea
 RETURN_STEPS = 4000  # steps among which a return is looked for
 RETURN_NEAR = 0.2  # distance of a return, in units of the motion's extent
 POINTS_A_STEP = 40  # points of a step at which a return is looked for
-AMPLITUDE = 1e-2  # of a first small orbit, in units of the box
+AMPLITUDE = 1e-2  # size of a first small orbit, in units of the box
 CENTRE_GROWTH = 1e-7  # growth of an oscillation, relative to its frequency, that counts as 0
 NONE_FOUND = "no periodic orbit was found near the start; --period has about its period"
 

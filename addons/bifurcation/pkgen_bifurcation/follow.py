@@ -26,8 +26,8 @@ MOST_POINTS, MOST_BRANCHES = 1000, 24
 EASY_ITERATIONS = 4  # after at most so many, steps become longer
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 1e-2, 5e-2, 1e-6  # lengths of steps
 CLOSED = "it is closed"
-LEAST_COSINE = 0.9  # of the turn in a step
-MOST_CORRECTION = 0.5  # of a step, in units of its length
+LEAST_COSINE = 0.9  # least cosine of the turn in a step
+MOST_CORRECTION = 0.5  # largest correction of a step, in units of its length
 # A point is on a branch if its distance from a chord is below SAME + BENT * chord^2.
 SAME, BENT = 1e-4, 0.3
 MOST_DOUBLINGS = 3

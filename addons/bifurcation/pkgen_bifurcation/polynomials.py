@@ -11,7 +11,7 @@ import numpy
 
 DEGREE = 4
 LEAST_INTERVALS, MOST_INTERVALS = 24, 300
-INTERVALS_PER_UNIT = 8.0  # of the monitor function
+INTERVALS_PER_UNIT = 8.0  # intervals for each unit of the monitor function's integral
 
 
 def _tables() -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:

@@ -28,7 +28,7 @@ from .fitted import Fitted
 from .problem import Problem, Unknown
 from .search import STEPS, TRIES, local, solve
 
-ROUNDS = 4  # of fits whose weights are the residuals of the one before
+ROUNDS = 4  # fits whose weights are the residuals of the one before
 LEAST = 1e-12  # least standard deviation, relative to the data
 UNBOUNDED = (-math.inf, math.inf)
 Pairs = dict[str, tuple[float, float]]

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-MOST_STEPS = 20_000  # of a run; values tried on the way may make a motion very fast
+MOST_STEPS = 20_000  # steps of a run; values tried on the way may make a motion very fast
 
 
 @record

@@ -35,7 +35,7 @@ class Problem:
     periodic: dict[str, str]  # by the name of a start, the column that ends there
     duration: Range
     guess: dict[str, Range]  # the first and the last value
-    intervals: int  # of shooting
+    intervals: int  # number of shooting intervals
     linear: bool
 
 
