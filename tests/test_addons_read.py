@@ -65,6 +65,12 @@ READ = {
     """,
     "fmu": "front.units",
     "hosts": "graph.graph methods",
+    "linear": """
+        analysis.linear.equilibria analysis.linear.modes analysis.linear.newton
+        analysis.linear.system cli.arguments cli.compilation cli.messages cli.pictures
+        compiler plot.draw plot.names plot.picture plot.style plot.terminal run.named
+        run.values scenes.compile_plan
+    """,
     "optimise": """
         analysis.sensitivity.forward analysis.sensitivity.tape cli.arguments cli.compilation
         cli.pictures compiler graph.graph plot.style run.library run.named run.values

@@ -230,7 +230,7 @@ def test_linear_models_in_the_docs_are_designed_with(monkeypatch: pytest.MonkeyP
         exec(code, names)
         return names
 
-    of = ran_block("docs/linear.md")
+    of = ran_block("addons/linear/README.md")
     assert -of["gains"][0] == pytest.approx([of["model"].params[f"f{k}"] for k in (1, 2, 3, 4)])
     of = ran_block("docs/control.md")
     assert of["error"] == pytest.approx(of["told"], rel=0.05) and of["told"][0] < 0.01

@@ -1,4 +1,4 @@
-"""Equilibria, steady motions and linear models: against closed forms, differences and motions."""
+"""Equilibria, steady motions and Jacobians: against closed forms, differences and motions."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy
 import pytest
+from drawn_models import drawn, slope
 
 import pkgen as package
 from conftest import ROOT, ran, seeds, written
@@ -20,7 +21,6 @@ from pkgen.back.kernels import all_but
 
 TOP = {"precession": 1.1931380589634, "spin": 17.3870829461320, "nutation": 7.3155695065632}
 HOOP = ROOT / "models/bead_on_hoop.lag"
-SWING = ROOT / "models/controlled/cart_pole_swing_up.lag"
 
 
 def load(name: str, **params: float) -> package.api.model.Model:
@@ -151,51 +151,6 @@ KINDS = ("acceleration", "outputs")
 # -- Jacobians -----------------------------------------------------------------------------------
 
 
-def drawn(chance: random.Random) -> tuple[str, list[str], list[str]]:
-    """A random model: its text, parameters, inputs."""
-    n, rotation = chance.randint(1, 3), chance.random() < 0.3
-    q, p = [f"q{k}" for k in range(n)], [f"k{k}" for k in range(3)]
-    u = ["u0", "u1"][: chance.randint(1, 2)]
-
-    def term() -> str:
-        a, b = chance.choice(q), chance.choice(q)
-        of = chance.choice(
-            ["sin({a})*{p}", "{p}^2*{a}*{b}", "exp({p}*{a}/4)", "cos({a} - {p}*{b})"]
-        )
-        return f"{chance.uniform(-1, 1):.3f}*" + of.format(a=a, b=b, p=chance.choice(p))
-
-    lines = ["model drawn", *(f"param {x} = {chance.uniform(0.5, 1.5):.3f}" for x in p)]
-    lines += [f"coord {', '.join(q)}", f"input {', '.join(u)}"]
-    kinetic = [f"(1.5 + {chance.choice(p)}*cos({chance.choice(q)})/4)*{x}'^2" for x in q]
-    if n > 1:
-        kinetic.append(f"0.3*sin({q[0]})*{q[0]}'*{q[1]}'*{chance.choice(p)}")
-    if rotation:
-        lines += [
-            "rotation R",
-            "let w = omega(R)",
-            "start R = rot([1, 0, 0], 0.9)*rot([0, 1, 0], -0.7)",
-        ]
-        lines += ["start omega(R) = [0.3, -0.2, 0.4]"]
-        kinetic.append(f"{p[0]}*w.x^2 + w.y^2 + 0.7*w.z^2 + 0.1*w.x*{q[0]}'")
-        lines.append(f"potential {p[1]}*dot(R*[0, 0, 1], [0, 1, {q[0]}])")
-    state = chance.random() < 0.5
-    lines += [f"kinetic {' + '.join(kinetic)}", f"potential {term()} + {term()} + {q[0]}^2"]
-    lines.append(f"force {q[0]} = {u[0]}*{p[0]} + {u[-1]}*{q[-1]} - {p[1]}*{q[0]}'")
-    if state:
-        lines += ["state s", f"rate s = {q[0]}' - {p[2]}*s + {u[-1]}*s", "start s = 0.4"]
-    lines.append(f"observe a = {q[0]}*{u[0]} + {p[0]}*{q[-1]}'^2" + (" + s" if state else ""))
-    lines.append(f"observe b = {q[0]}''")
-    lines.append("start " + ", ".join(f"{x} = {chance.uniform(-1, 1):.3f}" for x in q))
-    lines.append("start " + ", ".join(f"{x}' = {chance.uniform(-1, 1):.3f}" for x in q))
-    return "\n".join(lines) + "\n", p, u
-
-
-def slope(f, x: numpy.ndarray, by: numpy.ndarray, h: float = 2e-3) -> numpy.ndarray:
-    """The derivative of f at x along `by`, by differences of order 6."""
-    d = [f(x + k * h * by) - f(x - k * h * by) for k in (1, 2, 3)]
-    return (45 * d[0] - 9 * d[1] + d[2]) / (60 * h)
-
-
 @pytest.mark.parametrize("seed", seeds([0, 2, 5], 12))
 def test_jacobians_are_slopes(seed: int, tmp_path: Path) -> None:
     text, p, u = drawn(random.Random(seed))
@@ -251,76 +206,3 @@ def test_jacobians_are_slopes(seed: int, tmp_path: Path) -> None:
         of_a, of_out = (slope(partial(changed, kind), values, by) for kind in KINDS)
         close(numpy.linalg.solve(M, r_p[:, j]), of_a)
         close(out_p[:, j], of_out)
-
-
-# -- linear models -------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("seed", seeds([0, 2, 5], 6))
-def test_a_linear_model_is_the_slope_of_the_motion(seed: int, tmp_path: Path) -> None:
-    text, _, _ = drawn(random.Random(seed))
-    model = package.load(written(tmp_path, text))
-    found = model.linearise(at=0.0)
-    A, B, _, _ = found
-    y = numpy.array([found.state[x] for x in (*model.coordinates, *model.rates)])
-    names = [*model.coordinates, *model.rates]
-    m, of = len(model.coordinates), [names.index(x) for x in found.states]
-    assert {*found.states} <= {*names} and found.outputs == ("a", "b")
-
-    def rate(z: numpy.ndarray) -> numpy.ndarray:
-        """The rates of the states, at the states and inputs z."""
-        x, u = numpy.split(z, [len(of)])
-        place = y.copy()
-        place[of] = x
-        if "R.w" in names:  # the quaternion keeps its length
-            Q = [names.index(f"R.{k}") for k in "wxyz"]
-            assert {*Q[1:]} <= {*of}
-            place[Q[0]] = math.copysign(math.sqrt(1 - (place[Q[1:]] ** 2).sum()), y[Q[0]])
-        a = model.acceleration(place[:m], place[m:], u=u)
-        return numpy.array([*place[m : 2 * m], *a])[of]
-
-    z = numpy.array([*y[of], *numpy.zeros(B.shape[1])])
-    whole = numpy.array([slope(rate, z, by) for by in numpy.eye(len(z))]).T
-    assert abs(numpy.concatenate([A, B], 1) - whole).max() < 1e-8 * max(1, abs(whole).max())
-
-
-def test_a_rod_is_linear_as_an_angle() -> None:
-    rod = load("constrained/pendulum_rod.lag").linearise()
-    assert rod.states == ("x", "x'") and rod.state["y"] == pytest.approx(-1)
-    assert rod.poles == pytest.approx([-1j * math.sqrt(9.81), 1j * math.sqrt(9.81)])
-
-
-def test_a_trim_gives_the_regulator_of_the_model() -> None:
-    scipy = pytest.importorskip("scipy.linalg")
-    model = package.load(SWING)
-    upright = model.linearise("trim", want={"theta": 0})
-    assert upright.inputs == ("u",) and upright.controllability()[0] == 4
-    A, B, _, _ = upright.discrete(model.params["T"])
-    P = scipy.solve_discrete_are(A, B, numpy.diag([5.0, 20, 1, 1]), [[0.1]])
-    (gains,) = numpy.linalg.solve(0.1 + B.T @ P @ B, B.T @ P @ A)
-    assert -gains == pytest.approx([model.params[f"f{k}"] for k in (1, 2, 3, 4)], abs=1e-6)
-
-
-@pytest.mark.parametrize("wanted", [{"a": 0.5}, {"height": -math.cos(0.5)}, {"u": math.sin(0.5)}])
-def test_a_trim_finds_what_is_left_free(tmp_path: Path, wanted: dict[str, float]) -> None:
-    text = (
-        "model arm\ncoord a, b\ninput u\nkinetic (a'^2 + b'^2)/2\npotential -cos(a) + (b - a)^2\n"
-    )
-    text += "force a = u\nobserve height = -cos(a)\nstart a = 0.3, b = 0.4\n"
-    found = package.load(written(tmp_path, text)).linearise("trim", want=wanted)
-    state = found.state["a"], found.state["b"], found.input["u"]
-    assert state == pytest.approx((0.5, 0.5, math.sin(0.5)), abs=1e-9)
-
-
-def test_a_command_gives_matrices_with_their_names() -> None:
-    words = ("linearise", SWING, "--at", "trim", "--want", "theta=0")
-    found = json.loads(ran(*words, "--json").stdout)
-    assert found["states"] == ["x", "theta", "x'", "theta'"]
-    assert found["A"][3][1] == pytest.approx(23.544) and found["B"] == [[0], [0], [1], [-2]]
-    assert found["units"] == {
-        "states": ["m", "rad", "m/s", "rad/s"],
-        "inputs": ["N"],
-        "outputs": ["m", "rad", "m/s", "rad/s"],
-    }
-    assert "sys = ss(A, B, C, D);" in ran(*words, "--matlab").stdout
-    assert "controllable: 4 of 4" in ran(*words).stdout

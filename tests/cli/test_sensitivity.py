@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 import random
-import sys
 from pathlib import Path
 
 import numpy
 import pytest
+from drawn_models import drawn, slope
 
 import pkgen as package
 from conftest import ROOT, seeds, written
-
-sys.path.insert(0, str(Path(__file__).parent))
-from test_linear import drawn, slope
+from pkgen.analysis.sensitivity.gradient import at_end
 
 UNTIL = 1.5
 FREE = ["rk4", "dop853", "dopri5", "gauss4", "lobatto3", "radau5", "gauss", "radau", "heun"]
@@ -122,6 +120,40 @@ def test_random_models(seed: int, tmp_path: Path) -> None:
     model = package.load(written(tmp_path, text))
     for method in chance.sample(methods, 2):
         compared(model, by, **options(method))
+
+
+COUPLED = """
+model coupled
+param k0 = 1.2
+param k1 = 0.7
+coord x, y
+input u0
+state s
+rate s = k1*x*y' - s
+kinetic k0*x'^2/2 + (1 + x^2)*y'^2/2 + 0.3*cos(y)*x'*y'
+potential k1*x^4/4 + cos(x - y)
+force x = -0.2*x'*y'^2 + s*u0
+force y = k0*sin(3*t)
+start x = 0.5*k0
+start y' = 0.4
+observe a = k1*x*y'^2 + s
+"""
+BACKWARD = ["rk4", "dopri5", "gauss1", "gauss8", "lobatto4", "radau5", "radau9", "gauss", "radau"]
+
+
+@pytest.mark.parametrize("method", BACKWARD)
+def test_one_pass_for_all_names(method: str, tmp_path: Path) -> None:
+    """The adjoint of a model with M(q), a state, drag and a force in t."""
+    model = package.load(written(tmp_path, COUPLED))
+    how = {"until": UNTIL, "every": UNTIL, **options(method)}
+    run = model.run(**how, sensitivity=["k0", "k1", "u0", "x", "y'", "s"])
+    tape, forward = run.sensitivity.tape, run.sensitivity
+    for of in ("a", "s"):
+        slope = tape.backward(at_end(tape, of))
+        assert slope is not None
+        for name in forward.by:
+            mine = tape.started(name) @ slope
+            assert mine == pytest.approx(forward[of, name][-1], rel=1e-11, abs=1e-11), name
 
 
 # -- closed forms and errors -----------------------------------------------------------------------

@@ -18,7 +18,6 @@ from .prepare import Prepared, prepare
 from .result import Result
 
 if TYPE_CHECKING:
-    from ..analysis.linear.plots import LinearModel
     from .effective import EffectivePotential
 
 
@@ -56,7 +55,7 @@ class Analyses:
         from ..back.kernels import all_but
 
         options.no_reduce = "all"
-        how = {"unroll": None, "kernels": all_but("out_x", "out_u", "out_p")}
+        how = {"unroll": None, "kernels": all_but("out_x", "out_u", "out_p") | {"lanes"}}
         prepared = prepare(options, lambda of, **more: self._compiled(of, **{**more, **how}))
         tape.refuse(prepared)
         return replace(prepared, library=tape.library(prepared))
@@ -80,27 +79,6 @@ class Analyses:
             made = self._compiled(options, unroll=None, use=whole(options))
             found = report.record(made, equilibria.of_model(options, made))
         return found["equilibria"]  # type: ignore[return-value]
-
-    def linearise(
-        self,
-        at: str | float = "equilibrium",
-        *,
-        want: Mapping[str, Value] | None = None,
-        start: Mapping[str, Value] | None = None,
-        inputs: Mapping[str, Value] | None = None,
-    ) -> LinearModel:
-        """Returns the linear model beside the equilibrium nearest to the start; at="trim": beside
-        the steady state at which the quantities of `want` have these values; at=2.5: beside the
-        state at this time. Raises UsageError, ModelError, RunError."""
-        from ..analysis.linear import linearise
-        from ..back.kernels import all_but
-
-        with in_words():
-            options = arguments.options(self, {"start": start, "inputs": inputs})
-            options.at_state = at if isinstance(at, str) else f"t={at!r}"
-            options.want = [f"{k}={arguments.text(x)}" for k, x in (want or {}).items()]
-            how = {"unroll": None, "kernels": all_but("r_p", "out_p"), "use": whole(options)}
-            return linearise.of_model(options, self._compiled(options, **how))
 
     def effective_potential(
         self,

@@ -36,7 +36,6 @@ Integrate it
   plot        MODEL.lag|FILE.csv...        pictures, in the terminal or -o FILE.svg
 Judge a motion
   equilibria  MODEL.lag                    where it rests or goes on steadily, modes
-  linearise   MODEL.lag                    A, B, C, D beside a state of it
 Judge methods
   methods                                  the methods, what each requires
   chart       MODEL.lag [-o DIR]           accuracy against cost of every method

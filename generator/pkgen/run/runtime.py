@@ -45,7 +45,7 @@ HOT = (
     *("src/ensemble/*.c", "src/variational/*.c", "src/implicit/gauss_dense.c"),
     *("src/explicit/embedded.c", "src/explicit/erk.c", "src/explicit/splitting.c"),
     *("src/core/scale.c", "src/constraints/project.c", "src/watch/diagnostics.c"),
-    *("src/events/events_look.c", "src/events/crossings.c"),
+    *("src/events/events_look.c", "src/events/crossings.c", "run/diagnose/adjoint*.c"),
 )
 FAMILIES = {  # parts of the method families that are not in the core
     **dict.fromkeys(("COLLOCATION", "GAUSS", "RADAU", "EXPONENTIAL"), "implicit"),

@@ -43,6 +43,12 @@ struct pk_integrator;
 struct pk_problem;
 struct pk_keep;
 
+/* The stages of a step: Q, n numbers of each stage, V, n numbers; h a_ij for q and for p, and h b_j
+ * as a last row. */
+struct pk_stages {
+    pk_real *c, *Q, *V, *A, *A_p;
+};
+
 struct pk_method {
     const char *name;
     const char *doc; /* description in one line, and citation */
@@ -71,6 +77,8 @@ struct pk_method {
      * stages * n unknowns; it returns NULL if the step solved none. It is NULL for a method that
      * solves no such equations. */
     const pk_real *(*equations)(struct pk_integrator *it);
+    /* Copies the stages of the last step. NULL: the method is no implicit Runge-Kutta method. */
+    void (*last)(struct pk_integrator *it, struct pk_stages *to);
     /* For methods of foreign libraries that allocate; NULL for all others. keep() saves or restores
      * their memory (pk/keep.h), or returns PK_REFUSED if that memory is opaque. */
     void (*release)(struct pk_integrator *it);

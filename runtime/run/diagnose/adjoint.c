@@ -4,29 +4,16 @@
  *     Y_i = y + h sum a_ij F(Y_j),   y1 = y + h sum b_i F(Y_i),
  *     l_i = h (b_i lambda1 + sum_j a_ji m_j),   m_i = F'(Y_i)^T l_i,   lambda = lambda1 + sum m_i,
  *
- * and splitting methods kicks and drifts, in reverse order. The product F'^T l is that of the kernel
+ * and splitting methods kicks and drifts, in reverse order; see adjoint_implicit.c for implicit
+ * methods. The product F'^T l is that of the kernel
  * `adjoint`, with mu from M mu = l. Reference: J. M. Sanz-Serna, SIAM Rev. 58 (2016) 3. */
 #include "../../src/core/internal.h"
 #include "../../src/core/tableau.h"
 #include "../settings/settings.h"
-#include "tape.h"
+#include "adjoint.h"
 
 /* largest number of stages, not below PK_MOST_STAGES */
 enum { MOST = 24 };
-
-struct adjoint {
-    struct pk_run *run;
-    const struct pk_system *system;
-    const struct pk_jacobian *kernel;
-    struct differences *d; /* the params and the inputs of the step */
-    size_t n, n_q, m;      /* m: inputs and parameters */
-    pk_real *lambda;       /* q, v, inputs and parameters */
-    pk_real *q, *k, *l, *moving, *M, *bars;
-    enum pk_status status;
-    size_t begin, end;
-    double *out;
-    int shifts;
-};
 
 static void make(struct adjoint *x)
 {
@@ -37,6 +24,7 @@ static void make(struct adjoint *x)
     x->n_q = x->d->n_q;
     x->m = x->system->n_inputs + x->system->n_parameters;
     x->kernel = run_jacobian_named(x->system, "adjoint");
+    adjoint_implicit_make(x);
     const size_t n = x->n, of_stages = (MOST + 2) * 2 * n, wide = 2 * n + 1 + x->m;
     x->q = memory_take(memory, 3 * of_stages + 2 * n + n * n + 2 * wide, sizeof *x->q);
     x->k = x->q + of_stages;
@@ -61,13 +49,8 @@ static void pull(struct adjoint *x, pk_real t, const pk_real *y, const pk_real *
                  pk_real *out)
 {
     const size_t n = x->n;
-    pk_copy(x->moving, a, n);
-    pk_copy(x->moving + n, l + n, n);
-    x->system->mass(x->d->params, t, y, y + n, x->d->u, x->M);
-    if (pk_ldl_factor(x->M, n))
-        x->status = PK_SINGULAR_MASS;
-    pk_ldl_solve(x->M, n, x->moving + n);
-    x->kernel->moving(x->d->params, t, y, y + n, x->d->u, x->moving, x->bars);
+    adjoint_mass(x, t, y);
+    adjoint_sweep(x, t, y, a, l + n);
     pk_copy(out, x->bars, 2 * n);
     pk_add(out + n, 1, l, x->n_q);
     pk_add(x->lambda + 2 * n, 1, x->bars + 2 * n + 1, x->m);
@@ -145,7 +128,7 @@ static void steps(void *context)
     const struct pk_tableau *table = pk_explicit_table(s->method);
     const struct pk_splitting *kicks = pk_splitting_table(s->method);
     const int splits = kicks && system->facts & PK_SEPARABLE && kicks->stages <= MOST;
-    const int takes = table || (splits && !(s->method->traits & PK_LINEAR));
+    const int takes = table || x->stages || (splits && !(s->method->traits & PK_LINEAR));
     if (!x->kernel || !takes || s->method->traits & (PK_GROUP | PK_NOISE | PK_HOLONOMIC) ||
         s->method->needs & PK_FAST || system->constraints.n || system->n_rotations) {
         x->status = PK_REFUSED;
@@ -168,7 +151,9 @@ static void steps(void *context)
                 x->out[n2 + x->m] += (double)x->lambda[i] * of_times[i];
         }
         differences_place(x->d, row);
-        if (table)
+        if (x->stages)
+            x->status = adjoint_implicit(x, k);
+        else if (table)
             runge_kutta(x, table, row);
         else
             splitting(x, kicks, row);

@@ -162,5 +162,6 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
 
 #define COLLOCATION(of)                                                              \
     .needs = PK_NEEDS_COLLOCATION, .table = &pk_##of##_table, .size = pk_gauss_size, \
-    .init = pk_gauss_init, .step = gauss_step, .equations = pk_gauss_equations
+    .init = pk_gauss_init, .step = gauss_step, .equations = pk_gauss_equations,      \
+    .last = pk_gauss_last
 PK_METHODS_COLLOCATION(PK_DEFINE_METHOD, COLLOCATION)

@@ -138,6 +138,11 @@ void pk_gauss_matrix(const struct pk_gauss_work *w, const pk_real *J, size_t str
 int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode);
 /* The function pk_method.equations: returns the dense w->lu of the last step, or NULL. */
 const pk_real *pk_gauss_equations(struct pk_integrator *it);
+/* The functions pk_method.last; pk_gauss_lanes_last() copies Q and V from lanes. */
+void pk_gauss_last(struct pk_integrator *it, struct pk_stages *to);
+struct pk_gauss_lanes;
+void pk_gauss_lanes_last(const struct pk_integrator *it, const struct pk_gauss_lanes *w,
+                         struct pk_stages *to);
 /* Returns whether a new matrix costs less than an iteration or two. If so, the matrix is computed
  * with the derivatives at each predicted stage, and recomputed once convergence gets slower. */
 int pk_gauss_small(const struct pk_gauss_work *w);

@@ -1,5 +1,6 @@
 /* The adaptive Gauss method with kernels called by pointers; see pk/step/gauss.h. */
 
+#include "gauss.h"
 #include "gauss_dense.h"
 #include "../core/generic.h"
 #include "../core/tableau.h"
@@ -26,7 +27,20 @@ static enum pk_status init(struct pk_integrator *it)
     return PK_DONE;
 }
 
+static void last(struct pk_integrator *it, struct pk_stages *to)
+{
+    const struct pk_gauss_lanes w = pk_gauss_lanes(it, it->n_q, it->n, it->own->work);
+    pk_gauss_lanes_last(it, &w, to);
+    pk_copy(to->c, pk_gauss8_c, PK_GAUSS_S);
+    for (int j = 0; j < PK_GAUSS_S; j++) {
+        for (int i = 0; i < PK_GAUSS_S; i++)
+            to->A[i * PK_GAUSS_S + j] = *w.h * w.M->A[j * PK_GAUSS_S + i];
+        to->A[PK_GAUSS_S * PK_GAUSS_S + j] = *w.h * pk_gauss8_b[j];
+    }
+    pk_copy(to->A_p, to->A, (PK_GAUSS_S + 1) * PK_GAUSS_S);
+}
+
 #define GAUSS(of)                                                                    \
     .needs = PK_NEEDS_GAUSS, .formula = &pk_method_##of, .size = size, .init = init, \
-    .step = generic_gauss, .dense = pk_gauss_dense
+    .step = generic_gauss, .dense = pk_gauss_dense, .last = last
 PK_METHODS_GAUSS(PK_DEFINE_METHOD, GAUSS)

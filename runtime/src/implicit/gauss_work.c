@@ -140,3 +140,32 @@ void pk_gauss_set_step(struct pk_integrator *it, struct pk_gauss_work *w, pk_rea
     }
     w->kept->h = h;
 }
+
+void pk_gauss_lanes_last(const struct pk_integrator *it, const struct pk_gauss_lanes *w,
+                         struct pk_stages *to)
+{
+    for (size_t i = 0; i < PK_GAUSS_S; i++)
+        for (size_t k = 0; k < it->n; k++) {
+            to->Q[i * it->n + k] = k < it->n_q ? w->q[k * PK_GAUSS_S + i] : 0;
+            to->V[i * it->n + k] = w->v[k * PK_GAUSS_S + i];
+        }
+}
+
+void pk_gauss_last(struct pk_integrator *it, struct pk_stages *to)
+{
+    const struct pk_gauss_work w = pk_gauss_parts(it);
+    const size_t n = it->n, s = w.s;
+    pk_copy(to->c, w.c, s);
+    pk_copy(to->A, w.hA, s * s);
+    pk_copy(to->A + s * s, w.hb, s);
+    pk_copy(to->A_p, w.hA_p, s * s);
+    pk_copy(to->A_p + s * s, w.hb, s);
+    if (pk_gauss_by_lanes(it, &w, w.kept->h)) {
+        const struct pk_gauss_lanes lanes = pk_gauss_lanes(it, it->n_q, n, w.rest);
+        pk_gauss_lanes_last(it, &lanes, to);
+        return;
+    }
+    for (size_t i = 0; i < s; i++)
+        pk_copy(to->Q + i * n, w.Q + i * w.n_q, w.n_q);
+    pk_copy(to->V, w.V, s * n);
+}

@@ -218,5 +218,5 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
 
 #define RADAU(of)                                                                                 \
     .needs = PK_NEEDS_RADAU, .table = &pk_##of##_table, .formula = &pk_method_##of, .size = size, \
-    .init = init, .step = step, .equations = pk_gauss_equations
+    .init = init, .step = step, .equations = pk_gauss_equations, .last = pk_gauss_last
 PK_METHODS_RADAU(PK_DEFINE_METHOD, RADAU)

@@ -13,7 +13,7 @@ from .tape import Tape
 def gradient(tape: Tape, of: str, by: Sequence[str], t: float) -> dict[str, float]:
     """Returns the derivatives of the value at the end t of the run, by name. Raises UsageError,
     NumericsFailed."""
-    slope = tape.backward(_at_end(tape, of)) if len(tape.rows) else None
+    slope = tape.backward(at_end(tape, of)) if len(tape.rows) else None
     if slope is None:
         found = Sensitivities(tape, by, numpy.array([t])).of(of)[-1]
     else:
@@ -21,7 +21,7 @@ def gradient(tape: Tape, of: str, by: Sequence[str], t: float) -> dict[str, floa
     return dict(zip(by, map(float, found), strict=True))
 
 
-def _at_end(tape: Tape, of: str) -> numpy.ndarray:
+def at_end(tape: Tape, of: str) -> numpy.ndarray:
     """Returns the derivative of a column by the displacement before the end."""
     last, n = len(tape.rows) - 1, 2 * tape.n
     kind, k = column(tape, of)

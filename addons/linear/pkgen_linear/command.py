@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
-from ..analysis.linear import linearise
-from ..analysis.linear.plots import KINDS, LinearModel, picture
-from ..back.kernels import all_but
-from ..run.values import Values
-from ..scenes.compile_plan import whole
-from ..system.exits import DONE, UsageError
-from . import arguments as shared
-from . import pictures
-from .compilation import compile_within_limits
-from .messages import needs
+from pkgen.api import arguments as of_call
+from pkgen.api.arguments import in_words
+from pkgen.api.model import Model
+from pkgen.back.kernels import all_but
+from pkgen.cli import arguments as shared
+from pkgen.cli import pictures
+from pkgen.cli.compilation import compile_within_limits
+from pkgen.cli.messages import needs
+from pkgen.run.values import Values
+from pkgen.scenes.compile_plan import whole
+from pkgen.system.exits import DONE, UsageError
+
+from .linearise import of_model
+from .plots import KINDS, LinearModel, picture
 
 EXAMPLES = """
 pkgen linearise models/heavy_top.lag --at equilibrium
@@ -45,9 +51,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Print A, B, C, D of dx/dt = A x + B u, y = C x + D u, their names and the poles."""
     _refuse(options)
-    how = {"unroll": None, "kernels": all_but("r_p", "out_p"), "use": whole(options)}
-    compilation = compile_within_limits(options, **how)
-    found = linearise.of_model(options, compilation)
+    compilation = compile_within_limits(options, **_how(options))
+    found = of_model(options, compilation)
     if options.period is not None:
         found = found.discrete(Values(compilation).positive("--period", options.period, "s"))
     if options.plot is not None:
@@ -57,6 +62,28 @@ def run(options: argparse.Namespace) -> int:
     else:
         print(found.matlab() if options.matlab else found.text(), end="")
     return DONE
+
+
+def linearise(
+    model: Model,
+    at: str | float = "equilibrium",
+    *,
+    want: Mapping[str, of_call.Value] | None = None,
+    start: Mapping[str, of_call.Value] | None = None,
+    inputs: Mapping[str, of_call.Value] | None = None,
+) -> LinearModel:
+    """Returns the linear model beside the equilibrium nearest to the start; at="trim": beside the
+    steady state at which the quantities of `want` have these values; at=2.5: beside the state at
+    this time. Raises UsageError, ModelError, RunError."""
+    with in_words():
+        options = of_call.options(model, {"start": start, "inputs": inputs})
+        options.at_state = at if isinstance(at, str) else f"t={at!r}"
+        options.want = [f"{k}={of_call.text(x)}" for k, x in (want or {}).items()]
+        return of_model(options, model._compiled(options, **_how(options)))
+
+
+def _how(options: argparse.Namespace) -> dict[str, Any]:
+    return {"unroll": None, "kernels": all_but("r_p", "out_p"), "use": whole(options)}
 
 
 def _refuse(options: argparse.Namespace) -> None:
@@ -81,6 +108,6 @@ def _draw(options: argparse.Namespace, found: LinearModel) -> None:
     made = picture(found, options.plot, pairs)
     pictures.write(made, options.output and Path(options.output), None)
     if options.output is None:
-        from ..plot.terminal import show
+        from pkgen.plot.terminal import show
 
         show(made)

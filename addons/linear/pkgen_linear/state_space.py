@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy
 from numpy import linalg
 
-from ...system.columns import aligned
-from ...system.exits import UsageError
+from pkgen.system.columns import aligned
+from pkgen.system.exits import UsageError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy
 from numpy import linalg
 
-from ...plot.names import shown
-from ...plot.picture import Axis, Line, Panel, Picture
-from ...plot.style import PALETTE
-from ...system.exits import UsageError
+from pkgen.plot.names import shown
+from pkgen.plot.picture import Axis, Line, Panel, Picture
+from pkgen.plot.style import PALETTE
+from pkgen.system.exits import UsageError
+
 from .state_space import Linear, reached
 
 if TYPE_CHECKING:
@@ -174,6 +175,6 @@ class LinearModel(Linear):
 
 
 def _drawn(made: Picture) -> Figure:
-    from ...plot.draw import draw
+    from pkgen.plot.draw import draw
 
     return draw(made)

@@ -12,13 +12,15 @@ import pytest
 
 import pkgen as package
 from conftest import ROOT, ran, run_pkgen, written
-from pkgen.analysis.linear.plots import branches
+from pkgen_linear.plots import LinearModel, branches
+
+pytestmark = pytest.mark.needs_addon("linear")
 
 HOOP = ROOT / "models/bead_on_hoop.lag"
 SWING = ROOT / "models/controlled/cart_pole_swing_up.lag"
 
 
-def pair_of_masses(tmp_path: Path) -> package.analysis.linear.plots.LinearModel:
+def pair_of_masses(tmp_path: Path) -> LinearModel:
     """Two masses and a third that neither the force nor an output sees."""
     text = "model masses\ncoord x, y, z\ninput u\nkinetic (x'^2 + y'^2 + z'^2)/2\n"
     text += "potential 3*x^2 + (y - x)^2 + 2*z^2\ndissipation 0.1*x'^2 + 0.05*y'^2\n"

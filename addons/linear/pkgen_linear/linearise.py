@@ -15,16 +15,17 @@ from typing import TYPE_CHECKING, Any
 import numpy
 from numpy import linalg
 
-from ...compiler import Compilation
-from ...run import named
-from ...run.values import Values, assignment
-from ...system.exits import NumericsFailed, UsageError
-from ...system.near import near
-from . import modes
-from .equilibria import TRIES, of_system
-from .newton import least, shortened
+from pkgen.analysis.linear import modes
+from pkgen.analysis.linear.equilibria import TRIES, of_system
+from pkgen.analysis.linear.newton import least, shortened
+from pkgen.analysis.linear.system import EXACT, System, floats, opened
+from pkgen.compiler import Compilation
+from pkgen.run import named
+from pkgen.run.values import Values, assignment
+from pkgen.system.exits import NumericsFailed, UsageError
+from pkgen.system.near import near
+
 from .plots import LinearModel
-from .system import EXACT, System, floats, opened
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
