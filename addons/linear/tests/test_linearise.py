@@ -12,7 +12,7 @@ import pytest
 from drawn_models import drawn, slope
 
 import pkgen as package
-from conftest import ROOT, ran, seeds, written
+from conftest import ROOT, ran, run_pkgen, seeds, written
 
 pytestmark = pytest.mark.needs_addon("linear")
 
@@ -87,3 +87,32 @@ def test_a_command_gives_matrices_with_their_names() -> None:
     }
     assert "sys = ss(A, B, C, D);" in ran(*words, "--matlab").stdout
     assert "controllable: 4 of 4" in ran(*words).stdout
+
+
+HEAD = "coord x\ninput u\nkinetic x'^2/2\nforce x = u\nobserve twice = 2*x\nstart x = 1\n"
+MODELS = {
+    "driven": f"model driven\n{HEAD}potential x^2/2 - x*cos(t)\n",
+    "falls": f"model falls\n{HEAD}potential x*u^2 + x\n",
+    "hits": "model hits\ncoord y\nkinetic y'^2/2\ncontact floor: y >= 0\nstart y = 1\n",
+}
+REFUSED = [
+    ("driven", "", 2, "--at equilibrium: the equations depend on time; give --at t=…"),
+    ("driven", "--at trim", 2, "--at trim: the equations depend on time; give --at t=…"),
+    ("driven", "--at 2", 2, "--at 2: give equilibrium, trim, or a time as t=2"),
+    ("driven", "--at t=later", 2, "--at t=later: unknown name 'later'"),
+    ("driven", "--at t=-1", 2, "--at t=-1: the motion begins at t = 0"),
+    ("driven", "--at t=0 --want x=1", 2, "--want is for --at trim"),
+    ("driven", "--at t=0 --want y=1", 2, "--want y=1: it has: x, x', twice, u"),
+    ("driven", "--at t=0 --period 0", 2, "--period 0: period must be positive"),
+    ("falls", "", 4, "no equilibrium was found from 101 starts: --at t=0 is of the start itself"),
+    ("falls", "--at trim --want u=0", 2, "no steady state was found with u = 0: want less"),
+    ("hits", "", 1, "pkgen linearise knows no contacts"),
+]
+
+
+@pytest.mark.parametrize(("model", "options", "code", "said"), REFUSED)
+def test_what_is_not_there_is_said(
+    tmp_path: Path, model: str, options: str, code: int, said: str
+) -> None:
+    done = run_pkgen("linearise", written(tmp_path, MODELS[model]), *options.split())
+    assert (done.returncode, said in done.stderr) == (code, True), done.stderr

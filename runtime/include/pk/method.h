@@ -77,12 +77,12 @@ struct pk_method {
      * stages * n unknowns; it returns NULL if the step solved none. It is NULL for a method that
      * solves no such equations. */
     const pk_real *(*equations)(struct pk_integrator *it);
-    /* Copies the stages of the last step. NULL: the method is no implicit Runge-Kutta method. */
-    void (*last)(struct pk_integrator *it, struct pk_stages *to);
     /* For methods of foreign libraries that allocate; NULL for all others. keep() saves or restores
      * their memory (pk/keep.h), or returns PK_REFUSED if that memory is opaque. */
     void (*release)(struct pk_integrator *it);
     enum pk_status (*keep)(struct pk_integrator *it, struct pk_keep *k);
+    /* Copies the stages of the last step. NULL: the method is no implicit Runge-Kutta method. */
+    void (*last)(struct pk_integrator *it, struct pk_stages *to);
 };
 
 /* Returns whether the caller gives the length of steps. */
