@@ -18,20 +18,20 @@ BUDGET = {  # area: lines, tokens
     # 49: values after events, contacts, friction, modes (920), noise (420).
     # 50: equilibria, modes and symmetries in NumPy (1,000), linear models (430), text and data
     # (150), kernels by inputs and parameters (100); their search in C went (1,610).
-    # Then the effective potential (180), plots, zeros, responses of linear models (240);
-    # derivatives of runs (550).
-    "generator": (68_750, 554_500),
+    # Then the effective potential (180); derivatives of runs (550). Linear models went to an add-on.
+    "generator": (68_100, 548_000),
     # pieces, tables, samples, nearest starts, events that jump; impacts (950), noise (430); then
     # exponents of motions with impacts (290), kinks of gaps and grazes (60)
-    # 50: derivatives of runs: tape, forward, backward, by differences (850)
-    "runtime": (33_300, 310_500),
-    # continuation (2,050), fits (930), optima (980), CasADi (370)
-    "addons": (28_500, 249_500),
+    # 50: derivatives of runs: tape, forward, backward, by differences (850); the adjoint of implicit
+    # methods (280): gradients by the default method cost a few runs, for any number of names
+    "runtime": (33_600, 313_500),
+    # continuation (2,050), fits (930), optima (980), CasADi (370), linear models (700)
+    "addons": (29_200, 255_000),
     # regimes of rows; arguments of 0, jumps of events; contacts against a reference, noise;
     # contacts mixed with tables, samples, latches, their smooth limit, regimes, billiards
     # equilibria, steady motions and linear models, their plots, effective potentials
     # derivatives of runs (300)
-    "tests": (54_800, 511_000),
+    "tests": (54_700, 508_500),
 }
 # The words for users: README.md and docs, without docs/dev. Forces at points, conditions and H took
 # 300, contacts and noise 1,400, tables 400, parts 1,000, sample blocks 800, closed forms and
