@@ -220,6 +220,7 @@ def test_the_readme_is_short_and_its_python_runs(monkeypatch: pytest.MonkeyPatch
     assert names["a"].shape == (1, 2) and names["r"]["theta1"].shape == (2001,)
 
 
+@pytest.mark.needs_addon("linear")
 def test_linear_models_in_the_docs_are_designed_with(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("scipy")
     monkeypatch.chdir(ROOT)
