@@ -254,8 +254,8 @@ int pk_run_tangent(struct pk_run *run, size_t begin, size_t end, size_t columns,
                    size_t n_times, const double *times, double *out);
 /* Takes the derivatives lambda of a number by the displacements after the rows from `begin` to before
  * `end`, in the order of a column of D, and replaces them by those before these rows. `shifts`:
- * whether dt may differ from 0. PK_REFUSED: only explicit Runge-Kutta methods, and splitting methods
- * of separable systems (constant M, forces that do not depend on rates), go backwards, without
+ * whether dt may differ from 0. PK_REFUSED: only Runge-Kutta methods, and splitting methods of
+ * separable systems (constant M, forces that do not depend on rates), go backwards, without
  * constraints and rotations. */
 int pk_run_adjoint(struct pk_run *run, size_t begin, size_t end, int shifts, double *lambda);
 /* Returns parameters and start values in JSON. */

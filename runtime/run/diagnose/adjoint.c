@@ -4,9 +4,8 @@
  *     Y_i = y + h sum a_ij F(Y_j),   y1 = y + h sum b_i F(Y_i),
  *     l_i = h (b_i lambda1 + sum_j a_ji m_j),   m_i = F'(Y_i)^T l_i,   lambda = lambda1 + sum m_i,
  *
- * and splitting methods kicks and drifts, in reverse order; see adjoint_implicit.c for implicit
- * methods. The product F'^T l is that of the kernel
- * `adjoint`, with mu from M mu = l. Reference: J. M. Sanz-Serna, SIAM Rev. 58 (2016) 3. */
+ * and splitting methods kicks and drifts, in reverse order; for implicit methods see
+ * adjoint_implicit.c. The product F'^T l is that of the kernel `adjoint`, with mu from M mu = l. Reference: J. M. Sanz-Serna, SIAM Rev. 58 (2016) 3. */
 #include "../../src/core/internal.h"
 #include "../../src/core/tableau.h"
 #include "../settings/settings.h"

@@ -42,7 +42,6 @@ void adjoint_implicit_make(struct adjoint *x)
                                     {&w->of.V, m},
                                     {&w->of.A_p, (s + 1) * s},
                                     {&w->mu, m + n},
-
                                     {&w->matrix, w->momenta ? m * m : 2 * m * (n + 1)},
                                     {&w->pivot, m},
                                     {&w->eta, m},
@@ -206,6 +205,8 @@ static void iterate(struct adjoint *x)
             mu[k] = next[k];
         }
     }
+    if (!(change <= 256 * PK_EPS * size)) /* a NaN too: the forward derivative decides */
+        x->status = PK_REFUSED;
     for (size_t k = 0; k < of; k++)
         w->mu[k % PK_LANES * n + k / PK_LANES] = mu[k];
 }
