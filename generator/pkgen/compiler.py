@@ -299,7 +299,7 @@ def _equations(
             from .middle.loops.derive import derive_loops
 
             made = derive_loops(model)
-            if not made.force.pairs or unroll == 0 or count > PAIRS * unroll:
+            if not made.has_pairs or unroll == 0 or count > PAIRS * unroll:
                 return made
             reason = "so few pairs are faster as straight-line code"
         except Unrolled as cannot:

@@ -103,7 +103,7 @@ def default_method(made: Made, rtol: float, exact: bool) -> str:
         return "baoab" if provides(structure, "linear_drag") else "heun"
     by_gauss = structure.smooth_in_pieces and rtol <= GAUSS_RTOL
     if isinstance(equations, LoopEquations):
-        return "gauss" if equations.force.pairs and by_gauss else "dop853"
+        return "gauss" if equations.has_pairs and by_gauss else "dop853"
     few = len(equations.coordinates) + len(equations.states) <= EXPONENTIAL_MOST
     if exact and structure.affine and few:
         return "exponential"

@@ -52,11 +52,15 @@ class Looped:
         for group in self.equations.parameters:
             kind = ctypes.POINTER(ctypes.c_double) if group.is_family else ctypes.c_double
             fields.append((group.name, kind))
-        hoisted = int(files[f"{self.name}.h"].split("pk_real c_[")[1].split("]")[0])
+        hoisted, places = (
+            int(files[f"{self.name}.h"].split(field)[1].split("]")[0])
+            for field in ("pk_real c_[", "ptrdiff_t at_[")
+        )
         fields += [
             ("c_", ctypes.c_double * hoisted),
             ("work_", ctypes.c_void_p),
             ("failed_", ctypes.c_int),
+            ("at_", ctypes.c_ssize_t * places),
         ]
         switches = len(self.equations.switches)
         if switches:

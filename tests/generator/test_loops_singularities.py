@@ -25,8 +25,7 @@ def written(potential: str = "0", kinetic: str = FLAT, more: str = "") -> str:
 
 def over(singularity) -> str:
     """The range of its members: '1..N-1', of pairs '1..N-1, m+1..N', of a single value ''."""
-    ends = [(p.lo, p.hi) for p in singularity.terms.parts]
-    ends += [end for p in singularity.terms.pairs for end in ((p.lo, p.hi), (p.first, p.last))]
+    ends = zip(singularity.over[::2], singularity.over[1::2], strict=True)
     return ", ".join(f"{a.text()}..{b.text()}" for a, b in ends).replace(" ", "").replace(",", ", ")
 
 
@@ -56,7 +55,7 @@ def over(singularity) -> str:
         # Single members, a coordinate beside the families, the time.
         (
             written("-1/x[1] - 1/(x[N] - x[N-1])"),
-            [("x[i]", MOTION, "1..1"), ("x[i+1] - x[i]", MOTION, "N-1..N-1")],
+            [("x[1]", MOTION, ""), ("x[N] - x[N-1]", MOTION, "")],
         ),
         (written("sum(-y[i]/s, i = 1..N)"), [("s", MOTION, "")]),
         (written("sum(-1/(s - x[i]), i = 1..N)"), [("s - x[i]", MOTION, "1..N")]),

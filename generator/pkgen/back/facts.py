@@ -64,8 +64,9 @@ def _mass_of_loops(e: LoopEquations, proved: Facts) -> str:
     if e.carried:
         ways = ("eliminated from its last member to the first", "banded with what it carries")
         shape = f"of a chain, {ways[e.extended]}"
-    elif not (proved.mass_diagonal or e.mass.border or e.mass.corner or len(e.families) > 1):
-        shape += f", {max(abs(shift) for _, _, shift in e.mass.entries)} beside the diagonal"
+    elif not (proved.mass_diagonal or e.scalars or len(e.families) > 1):
+        beside = max(abs((column[1] - row[1]).constant) for row, column in (x.to for x in e.mass))
+        shape += f", {beside} beside the diagonal"
     if proved.mass_constant and not e.carried:
         once = "a division a row" if proved.mass_diagonal else "factored once"
         once = "with rows of constraints factored at each acceleration" if e.bound else once

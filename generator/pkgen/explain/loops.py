@@ -9,17 +9,17 @@ from ..compiler import Compilation
 from ..equations import ParameterSlot, Quantity
 from ..graph.affine import Affine
 from ..indices import indexed
-from ..middle.loops.indexed_ir import Group, PairForce, Part
+from ..middle.loops.indexed_ir import Addend, Cell, Group, Over, of_name
 from ..middle.loops.loops import Assigned, Bounded, LoopEquations
 from .contents import Contents, Shown
-from .rows import EquationLine, M, Writer
+from .rows import EquationLine, M, Part, Writer
 
 
 def contents(compilation: Compilation) -> Contents:
     e, model = compilation.equations, compilation.model
     assert isinstance(e, LoopEquations)
     write, operations = Writer(e), compilation.program.context["operations"]
-    fused = compilation.program.context["stepper"] is not None
+    fused = compilation.program.context["stepper"]
     energy = [f"{name} = {text}" for name, text in energies(write)]
     motion = "   M q'' = f" * bool(model.coordinates) + " + J^T lambda" * bool(e.bound)
     return Contents(
@@ -52,8 +52,8 @@ def contents(compilation: Compilation) -> Contents:
             "mass": _record(mass_lines(write)),
             "force": _record(force_lines(write)),
             "pairs": [
-                {"range": write.over_pairs(pair), "force": _record(pair_lines(write, pair))}
-                for pair in e.force.pairs
+                {"range": write.over(over), "force": _record(lines)}
+                for over, lines in pair_lines(write)
             ],
             "beyond": beyond(write),
             "carried": _record(carried_lines(write)),
@@ -128,9 +128,9 @@ def energies(write: Writer) -> list[tuple[str, str]]:
 
 def _equations(write: Writer) -> Iterator[str]:
     yield from map(str, (*mass_lines(write), *force_lines(write)))
-    for pair in write.e.force.pairs:
-        yield f"for each pair {write.over_pairs(pair)}:"
-        yield from (f"  {line.left} += {line.right}" for line in pair_lines(write, pair))
+    for over, lines in pair_lines(write):
+        yield f"for each pair {write.over(over)}:"
+        yield from (f"  {line.left} += {line.right}" for line in lines)
     yield from map(str, rate_lines(write))
     yield from (f"where {line}" for line in beyond(write))
     if write.e.carried:
@@ -144,8 +144,9 @@ def along_lines(write: Writer) -> list[EquationLine]:
     found = []
     for item in (item for together in write.e.along for item in together):
         for part in item.parts if "'" not in item.name else ():
-            left = indexed(item.name, write.index(part.lo if part.lo == part.hi else M))
-            over = "" if part.lo == part.hi else write.span(part.lo, part.hi)
+            lo, hi = part.over
+            left = indexed(item.name, write.index(lo if lo == hi else M))
+            over = "" if lo == hi else write.span(lo, hi)
             found.append(EquationLine(left, write.text([(part.node, M)]), over))
     return found
 
@@ -176,23 +177,35 @@ def mass_lines(write: Writer) -> list[EquationLine]:
     for g in e.rows:
         if g.is_state:
             continue
+        entries: dict[Cell, list[Addend]] = {}
+        for x in of_name(e.mass, g.name):
+            (_, row), (other, column) = x.to
+            key = other, None if column is None else column - row
+            if column is None or order.index(other) <= order.index(g.name):
+                entries.setdefault(key, []).append(x)
         items = [
-            (partial(_entry, write, g, write.groups[other], shift), row.parts)
-            for (own, other, shift), row in e.mass.entries.items()
-            if own == g.name and order.index(other) <= order.index(own)
-        ]
-        items += [
-            (partial(_member, write, f"M[{write.groups[scalar].shown}, {{}}]", g), row.parts)
-            for (scalar, own), row in e.mass.border.items()
-            if own == g.name
+            (_label(write, g, other, shift), tuple(map(write.part, parts)))
+            for (other, shift), parts in entries.items()
         ]
         found += write.rows(g, items)
-    scalars = [g.name for g in e.scalars]
+    scalars = {g.name: k for k, g in enumerate(e.scalars)}
+    corner: dict[tuple[str, str], list[Addend]] = {}
+    for x in e.mass:
+        (a, _), (b, _) = x.to
+        if scalars.get(a, -1) >= scalars.get(b, len(scalars)) and not write.groups[a].is_state:
+            corner.setdefault((a, b), []).append(x)
     return found + [
-        EquationLine(f"M[{write.groups[a].shown}, {write.groups[b].shown}]", write.total(total))
-        for (a, b), total in e.mass.corner.items()
-        if scalars.index(b) <= scalars.index(a) and not write.groups[a].is_state
+        EquationLine(
+            f"M[{write.groups[a].shown}, {write.groups[b].shown}]", write.total(tuple(total))
+        )
+        for (a, b), total in corner.items()
     ]
+
+
+def _label(write: Writer, g: Group, other: str, shift: Affine | None):
+    if shift is None:
+        return partial(_member, write, f"M[{write.groups[other].shown}, {{}}]", g)
+    return partial(_entry, write, g, write.groups[other], shift.constant)
 
 
 def _entry(write: Writer, group: Group, other: Group, shift: int, at: Affine) -> str | None:
@@ -222,7 +235,7 @@ def constraint_lines(write: Writer) -> list[EquationLine]:
         single = rows.is_single
         at = group.lo if single else M
         name = rows.name + (f"[{write.index(at)}]" if group.is_family else "")
-        text = write.total(what) if single else write.text([(what.parts[0].node, M)])
+        text = write.total(what) if single else write.text([(what[0].node, M)] if what else [])
         span = "" if single else write.span(group.lo, group.hi)
         found.append(EquationLine(name, text, span))
     return found
@@ -235,32 +248,39 @@ def rate_lines(write: Writer) -> list[EquationLine]:
 
 def _rows_of(write: Writer, form: str, states: bool) -> list[EquationLine]:
     e, found = write.e, []
-    for name, row in e.force.rows.items():
-        group = write.groups[name]
+    for group in e.rows:
         if group.is_state != states:
             continue
-        if row.parts:
-            found += write.rows(group, [(partial(_member, write, form, group), row.parts)])
-        elif not e.force.pairs:
+        own = of_name(e.force, group.name)
+        parts = tuple(write.part(x) for x in own if len(x.over) < 4)
+        if parts:
+            found += write.rows(group, [(partial(_member, write, form, group), parts)])
+        elif not e.has_pairs:
             left = form.format(indexed(group.shown, write.i))
             found.append(EquationLine(left, "0", write.span(group.lo, group.hi)))
-    totals = [(write.groups[n], total) for n, total in e.force.totals.items()]
     return found + [
-        EquationLine(form.format(g.shown), write.total(total))
-        for g, total in totals
+        EquationLine(
+            form.format(g.shown),
+            write.total(tuple(x for x in of_name(e.force, g.name) if len(x.over) < 4)),
+        )
+        for g in e.scalars
         if g.is_state == states
     ]
 
 
-def pair_lines(write: Writer, pair: PairForce) -> list[EquationLine]:
-    rows = (pair.by_row, write.i), (pair.by_other, write.j), (pair.by_scalar, None)
-    lines = []
-    for sides, index in rows:
-        for group, node in ((write.groups[name], node) for name, node in sides):
-            form = "{}'" if sides is pair.by_row and group.is_state else "f[{}]"
-            left = form.format(indexed(group.shown, index))
-            lines.append(EquationLine(left, write.text([(node, M)])))
-    return lines
+def pair_lines(write: Writer) -> list[tuple[Over, list[EquationLine]]]:
+    """Returns the forces of sums over pairs, with the ranges of both indices."""
+    found: dict[Over, list[EquationLine]] = {}
+    for x in write.e.force:
+        if len(x.over) < 4:
+            continue
+        [(name, at)], group = x.to, write.groups[x.to[0][0]]
+        index = None if at is None else write.index(at)
+        form = "{}'" if group.is_state else "f[{}]"
+        left = form.format(indexed(group.shown, index))
+        line = EquationLine(left, write.text([(x.node, M)]))
+        found.setdefault(x.over, []).append(line)
+    return list(found.items())
 
 
 def beyond(write: Writer) -> list[str]:

@@ -19,9 +19,10 @@ from ..graph.graph import ZERO, Kind, Node, Op, Symbol
 from ..indices import indexed
 from ..middle.analyze.sympy_bridge import plain, to_sympy, written_size
 from ..middle.loops.constant_sums import within
-from ..middle.loops.indexed_ir import Group, PairForce, PairPart, Part, Slot, Total
+from ..middle.loops.indexed_ir import Addend, Group, Over, Slot, Sum
 from ..middle.loops.indices import COUNTERS, unlike_loops
 from ..middle.loops.loops import LoopEquations
+from ..middle.loops.slots import Slots
 from ..record import record
 
 if TYPE_CHECKING:
@@ -39,6 +40,24 @@ Label = Callable[[Affine], str | None]
 class Unclear(Exception):
     """The range of a part and the range of its family cannot be compared, since the values of sizes
     such as N are unknown."""
+
+
+@record
+class Part:
+    """The contribution of an addend to the equations of the members lo..hi of a family. `inner` is
+    the contribution far from the ends, where no member has a given value."""
+
+    lo: Affine
+    hi: Affine
+    node: Node
+    inner: Node
+
+    @property
+    def is_point(self) -> bool:
+        """Whether the range lo..hi has a constant length of a few members, which does not depend on
+        the length of the family."""
+        length = self.hi - self.lo
+        return length.is_constant and length.constant <= 8
 
 
 @record
@@ -76,6 +95,8 @@ class Writer:
     def __init__(self, e: LoopEquations, style: Style = PLAIN):
         self.e = e
         self.style = style
+        self._slots_of = Slots(e.graph, e.slots)
+        self._carried = {g.name for g in e.carried_groups}
         self.groups = {g.name: g for g in (*e.coordinates, *e.carried_groups)}
         self.inputs = [q.name for q in e.inputs]
         own = {x.name for x in (*e.model.sizes, *e.coordinates, *e.parameters)} | {*self.inputs}
@@ -97,18 +118,42 @@ class Writer:
     def span(self, lo: Affine, hi: Affine) -> str:
         return f"{self.i} = {self.index(lo)}..{self.index(hi)}"
 
-    def over_pairs(self, pair: PairForce | PairPart) -> str:
-        others = f"{self.j} = {self.index(pair.first)}..{self.index(pair.last)}"
-        return f"{self.span(pair.lo, pair.hi)}, {others}"
+    def over(self, over: Over) -> str:
+        """Returns index ranges as text, such as `i = 1..N, j = i+1..N`."""
+        lo, hi, *others = over
+        more = [f", {self.j} = {self.index(others[0])}..{self.index(others[1])}"] if others else []
+        return "".join([self.span(lo, hi), *more])
+
+    def part(self, x: Addend) -> Part:
+        """Returns the contribution of an addend to the rows of a family, with the index m."""
+        at, slots = x.to[0][1], self._slots_of
+        if x.over:
+            shift = (at - M).constant
+            lo, hi = (end + shift for end in x.over)
+            node = slots.shifted(x.node, -shift)
+        else:
+            lo = hi = at
+            node = self._seen_from(x.node, at)
+        return Part(lo, hi, node, slots.inside(node, self._carried))
+
+    def _seen_from(self, node: Node, place: Affine) -> Node:
+        """Returns the node with indices shifted so that `place` becomes m, if their distance from
+        it is constant."""
+
+        def swap(slot: Slot) -> Node | None:
+            if slot.at is None or not (slot.at - place).is_constant:
+                return None
+            return self._slots_of.node(slot.kind, slot.name, M + (slot.at - place))
+
+        return self._slots_of.swapped(node, swap)
 
     # -- expressions --------------------------------------------------------------------------
 
-    def total(self, total: Total) -> str:
+    def total(self, total: Sum) -> str:
         style = self.style
-        sums = [(self.span(part.lo, part.hi), part.node) for part in total.parts]
-        sums += [(self.over_pairs(pair), pair.node) for pair in total.pairs]
-        parts = [self.text([(total.constant, M)])] if total.constant else []
-        parts += [style.total(over, self.text([(node, M)])) for over, node in sums]
+        alone = [(x.node, M) for x in total if not x.over]
+        parts = [self.text(alone)] if alone else []
+        parts += [style.total(self.over(x.over), self.text([(x.node, M)])) for x in total if x.over]
         return style.plus(parts) if parts else "0"
 
     def text(self, pieces: Iterable[tuple[Node, Affine]]) -> str:
@@ -129,7 +174,7 @@ class Writer:
         def symbol(s: Symbol) -> sp.Expr:
             if s.kind is Kind.TIME:
                 return sp.Symbol("t")
-            return self._symbol(self.e.slots[s.index], at)
+            return self._symbol(self._slots_of.all[s.index], at)
 
         (found,) = to_sympy(self.e.graph, [node], symbol)
         return found
@@ -144,11 +189,10 @@ class Writer:
             )
         if slot.kind == "sum":
             total = self.e.sums[int(slot.name)]
-            if not (total.parts or total.pairs):
-                return self._expression(total.constant, M)
+            if not any(x.over for x in total):
+                return sp.Add(*(self._expression(x.node, M) for x in total))
             text = self.total(total)
-            several = len(total.parts) + len(total.pairs) + bool(total.constant) > 1
-            return sp.Symbol(f"({text})" if several else text)
+            return sp.Symbol(f"({text})" if len(total) > 1 else text)
         if slot.kind == "place":
             return sp.Symbol(self._once(int(slot.name[5:-1])))
         name = self.inputs[int(slot.name)] if slot.kind == "input" else slot.name
@@ -317,7 +361,7 @@ class Writer:
         g = self.e.graph
         for n in reachable(g, [node]):
             if g.op[n] is Op.SYMBOL and g.data[n].kind not in (Kind.PI, Kind.TIME):
-                yield self.e.slots[g.data[n].index]
+                yield self._slots_of.all[g.data[n].index]
 
 
 def _reaches(low: Affine, high: Affine) -> bool:

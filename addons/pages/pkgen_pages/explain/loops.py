@@ -39,10 +39,9 @@ def loop_sections(e: LoopEquations, written: Written) -> Iterator[str]:
     yield from (*lines(said), *lets(lets_there))
     yield heading("Equations of motion")
     yield from _motion(write)
-    for pair in e.force.pairs:
-        yield f"<p>and for each pair {mathml.inline(_range(write.over_pairs(pair)))} added:</p>"
-        for line in pair_lines(write, pair):
-            yield _line(line)
+    for over, found in pair_lines(write):
+        yield f"<p>and for each pair {mathml.inline(_range(write.over(over)))} added:</p>"
+        yield from map(_line, found)
     yield from map(_line, rate_lines(write))
     if e.carried:
         yield f"<p>where {carried_says(plain)}:</p>"
@@ -126,7 +125,7 @@ def _motion(write: Writer) -> Iterator[str]:
     inertia = {(line.left, line.range): line.right for line in mass}
     places = [_PLACE.fullmatch(line.left)[1] for line in force]
     own = [(f"M[{at}, {at}]", line.range) for at, line in zip(places, force, strict=True)]
-    if write.e.force.pairs or {*own} != {*inertia}:
+    if write.e.has_pairs or {*own} != {*inertia}:
         yield lead("M q″ = f, by rows")
         yield from map(_line, (*mass, *force))
         return

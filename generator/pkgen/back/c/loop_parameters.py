@@ -6,12 +6,12 @@ For a family of parameters they loop over its members.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 
 from ...middle.loops.indexed_ir import Group
 from ..targets import STORE
 from .kernel_code import statements
 from .loops import Block, M, Places
-from .loops_sets import Assignment, Summing
 from .parameter_code import (
     BOUNDS,
     DERIVE,
@@ -25,6 +25,37 @@ from .parameter_code import (
 )
 from .program import Interval, Statement
 from .tree import Declare, Function, If, Loop, Node, Scope
+
+
+@dataclass
+class Summing:
+    """A sum that is computed once and stored: `place` is its C variable, `ranges` are the loop
+    variables with first and last index, `block` is its term, `inside` are sums in the term."""
+
+    place: str
+    ranges: list[tuple[str, str, str]]
+    block: Block
+    inside: list[Summing]
+
+    @property
+    def blocks(self) -> list[Block]:
+        return [self.block, *(block for x in self.inside for block in x.blocks)]
+
+
+@dataclass
+class Assignment:
+    """An assignment to the members lo..hi of a family, or to a scalar if lo is "". The sums
+    `before` are computed once, the sums `each` again for every member."""
+
+    lo: str
+    hi: str
+    before: list[Summing]
+    each: list[Summing]
+    block: Block
+
+    @property
+    def blocks(self) -> list[Block]:
+        return [self.block, *(block for x in (*self.before, *self.each) for block in x.blocks)]
 
 
 def each(lo: str, hi: str, nodes: list[Node]) -> list[Node]:

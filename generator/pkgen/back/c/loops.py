@@ -1,9 +1,8 @@
-"""Turns LoopEquations into blocks of C statements, such as loop bodies and assignments.
+"""Turns LoopEquations into blocks of C statements, such as bodies of terms and assignments.
 
-A block is straight-line code for one member m of a family, or for a pair of members m and j. It
-first loads its inputs into local constants. In the interior of a family it reads them directly from
-the arrays; near an end it calls functions that handle indices beyond the end. Expressions of
-parameters and sizes alone are hoisted into `prepare`.
+A block is straight-line code. It first loads its inputs into local constants: in terms, for a member
+m or a pair m and j, from the arrays s that members.h sets. Expressions of parameters and sizes alone
+are hoisted into `prepare`.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from ...graph.affine import LOOPS, OTHER, ROW, Affine
+from ...graph.affine import OTHER, ROW, Affine
 from ...graph.graph import Kind, Node, Symbol
 from ...middle.loops.indexed_ir import Group, Slot
 from ...middle.loops.indices import COUNTERS, unlike_loops
@@ -27,31 +26,27 @@ from .rewrite import rewrite
 
 # Local names in the templates; names from the model must differ from them.
 _OURS = (
-    *("m", "j", "l", "r", "s", "lo", "hi", "base", "sum", "first", "last", "steps", "h", "g"),
-    *("flux", "total", "own", "once", *(f"at_{name[1:]}" for name in COUNTERS)),
+    *("m", "j", "l", "r", "s", "o", "lo", "hi", "base", "sum", "first", "last", "steps", "h", "g"),
+    *("far", "total", "own", "once", *(f"at_{name[1:]}" for name in COUNTERS)),
     *("x", "cells", "pushes", "slopes", "changes", "front", "bulk", "beside", "beside_pushes"),
     *("pivot", "diagonal", "absent", "corner", "kept"),
 )
-INNER, EDGE, PAIR, FIXED = "inner", "edge", "pair", "fixed"
+INNER, TERMS, FIXED = "inner", "terms", "fixed"
 SUFFIXES = {"v": "_dot", "w": "_ddot", "d": "_own", "a": "_acc", "acc": "_acc", "p": "_momentum"}
-CHUNK = 64  # Members in a chunk, which a loop of constant length computes.
-# Members per array of bond forces: enough that the forces are stored before rows read them.
-BLOCK = 1024
-# The force of a bond between members m and m - k is computed once for both if k is at most this.
-# Eight doubles fill a cache line.
-WIDEST_BOND = 8
-FLUX_STRIDE = BLOCK + WIDEST_BOND
 M, J = Affine(0, ((ROW, 1),)), Affine(0, ((OTHER, 1),))
 
 
 @dataclass
 class Block:
     """Straight-line code: the expressions to store (`targets`) and the C statements, which Lowering
-    adds. `where` is INNER, EDGE, PAIR or FIXED: how the block reads members of families."""
+    adds. `where` is INNER, TERMS or FIXED: how the block reads members of families. In TERMS,
+    `reads` has the numbers of the arrays s that Lowering assigns."""
 
     targets: list[Target]
     where: str
     statements: list[Statement] = field(default_factory=list)
+    reads: dict[Slot, int] = field(default_factory=dict)
+    pairs: bool = False
 
     @staticmethod
     def of(kind: str, place: str, nodes: Iterable[Node], where: str) -> Block:
@@ -177,23 +172,15 @@ class Places:
             "name": self.ids.get(g.name, g.name),
             "shown": g.shown,
             "is_family": family,
-            "periodic": g.periodic,
             "first": self.index(first),
             "lo": self.index(g.lo) if family else "0",
             "hi": self.index(g.hi) if family else "0",
             "count": self.index(g.count),
             "cell": self.index(first + M - g.lo if family else first),
-            "other": self.index(first + J - g.lo if family else first),
             "says": ", ".join(x for x in (" ".join(says), unseen) if x),
             "lo_text": g.lo.text() if family else "",
             "hi_text": g.hi.text() if family else "",
             "first_text": first.text(),
-            # At a free end, the ghost cell (index `at`) has the values of the last member, `home`.
-            "ends": [
-                {"at": self.index(at), "home": self.index(g.lo if at == g.lo - 1 else g.hi)}
-                for at, end in g.ends
-                if end.kind == "free"
-            ],
         }
 
 
@@ -206,13 +193,11 @@ class Lowering(Hoisting):
         places: Places,
         libm: bool,
         blocks: list[Block],
-        kept: set[str],
         sides: Mapping[Node, tuple[Symbol, int]],
     ):
         super().__init__(equations.graph, equations.model.name, libm)
         for call, (side, sign) in sides.items():
             self.work.side(call, side, sign)
-        self.kept = kept  # the numbers of the totals in the model's memory
         self.states = {g.name for g in equations.states}
         self.equations, self.places, self.blocks = equations, places, blocks
         self.inputs = [q.name for q in equations.inputs]
@@ -232,7 +217,7 @@ class Lowering(Hoisting):
         ]
         self.prepare = self.hoist(roots, self._free()).statements
         for block, found in zip(blocks, targets, strict=True):
-            block.statements = self._written(found, block.where)
+            block.statements = self._written(found, block)
 
     def _free(self) -> Names:
         return Names(LOCAL_RESERVED, (*_OURS, *self._names.values()), self.prefix)
@@ -243,33 +228,34 @@ class Lowering(Hoisting):
             size = self.places.size_texts[slot.name]
             return Code(f"(pk_real){size}", (size,))
         if symbol.kind is Kind.PARAMETER:
-            return self._access(slot, FIXED)
+            return self._access(slot)
         return variable(self._local(slot))
 
-    def _access(self, slot: Slot, where: str) -> Code:
+    def _access(self, slot: Slot, block: Block | None = None) -> Code:
         """Returns the C expression that reads a slot's value. The names in the Code include the
         variables of the index."""
         places = self.places
+        if block is not None and block.where == TERMS and slot.kind not in _DIRECT:
+            number = block.reads.setdefault(slot, len(block.reads))
+            return Code(f"s[{number}][{_stride(slot.at, block.pairs)}]", ("s", "k"))
         index = () if slot.at is None else places.names_in(slot.at)
         if slot.kind == "param":
             return Code(places.member(slot.name, slot.at), ("p", *index))
         if slot.kind == "index":
             name = places.size_texts.get(slot.name, slot.name)
             return Code(f"(pk_real){name}", (name,))
-        if slot.kind == "sum" and slot.name in self.kept:
+        if slot.kind == "sum":
             array = self.prefix + "sums"
             return Code(f"{array}(p)[{slot.name}]", (array, "p"))
         if slot.kind == "let":
             array, place = self.prefix + "lets", places.let(slot.name, slot.at)
             return Code(f"{array}(p)[{places.index(place)}]", (array, "p", *places.names_in(place)))
-        if slot.kind in ("input", "sum"):
-            return variable(f"{'u' if slot.kind == 'input' else 'sum'}[{slot.name}]")
-        if slot.kind == "flux":
-            return variable(flux_place(int(slot.name), -slot.at.constant))
+        if slot.kind == "input":
+            return variable(f"u[{slot.name}]")
         if slot.kind == "place":
             return variable(slot.name)
         if slot.kind == "side":
-            return self._side(slot, where)
+            return self._side(slot)
         if slot.name in self.carried:
             array, place = places.carried(slot.kind, slot.name, slot.at)
             return Code(f"{array}[{places.index(place)}]", (array, *places.names_in(place)))
@@ -281,26 +267,15 @@ class Lowering(Hoisting):
         if slot.kind in ("a", "acc"):
             memory = "rated" if slot.name in self.states else "accelerated"
             array, needs = f"{self.prefix}{memory}(p)", self.prefix + memory
-        inside = where in (INNER, PAIR)
-        if slot.at is None or inside or not any(slot.at.factor(v) for v in LOOPS):
-            first = places.names_in(places.first[slot.name])
-            text = f"{array}[{places.index(places.flat(slot.name, slot.at))}]"
-            return Code(text, (needs, "p", *first, *index))
-        reader = f"{self.prefix}{slot.kind}_{places.ids[slot.name]}"
-        text = f"{reader}(p, t, {array}, u, {places.index(slot.at)})"
-        return Code(text, (reader, needs, "p", "t", "u", *index))
+        first = places.names_in(places.first[slot.name])
+        text = f"{array}[{places.index(places.flat(slot.name, slot.at))}]"
+        return Code(text, (needs, "p", *first, *index))
 
-    def _side(self, slot: Slot, where: str) -> Code:
-        """Returns the C expression that reads the side (sign) of a switch for a member. For an
-        index that exists it reads the array; elsewhere it calls a function that checks the
-        index."""
-        at = slot.at or Affine()
-        names = ("p", *self.places.names_in(at))
-        if where == INNER and at.factor(ROW):
-            place = f"p->side_at_[{slot.name}] + {self.places.index(at)}"
-            return Code(f"p->side_[{place}]", names)
-        reader = f"{self.prefix}side"
-        return Code(f"{reader}(p, {slot.name}, {self.places.index(at)})", (reader, *names))
+    def _side(self, slot: Slot) -> Code:
+        """Returns the C expression that reads the side (sign) of a switch at an index."""
+        at, reader = slot.at or Affine(), f"{self.prefix}side"
+        names = (reader, "p", *self.places.names_in(at))
+        return Code(f"{reader}(p, {slot.name}, {self.places.index(at)})", names)
 
     def _local(self, slot: Slot) -> str:
         if slot not in self._names:
@@ -321,7 +296,7 @@ class Lowering(Hoisting):
             self._names[slot] = self._locals.take(wish)
         return self._names[slot]
 
-    def _written(self, targets: list[Target], where: str) -> list[Statement]:
+    def _written(self, targets: list[Target], block: Block) -> list[Statement]:
         # The inputs (slots) of the block get names before its other local variables do.
         slots = []
         for node in self.work.reachable([n for t in targets for n in t.nodes]):
@@ -329,20 +304,25 @@ class Lowering(Hoisting):
             if isinstance(symbol, Symbol) and symbol.kind not in (Kind.PI, Kind.TIME):
                 slots.append(self.equations.slots[symbol.index])
                 self._local(slots[-1])
-        schedule = self.scheduled(targets, self._free(), where == FIXED)
+        schedule = self.scheduled(targets, self._free(), block.where == FIXED)
         used = {name for s in schedule.statements for value in s.values for name in value.names}
         loads = [
-            Statement.of(LOAD, self._local(slot), self._access(slot, where))
+            Statement.of(LOAD, self._local(slot), self._access(slot, block))
             for slot in slots
             if self._local(slot) in used and slot.kind != "size"
         ]
         return [*loads, *schedule.statements]
 
 
-def flux_place(k: int, back: int) -> str:
-    """Returns the C array element with the k-th force of the bond whose first member is m -
-    `back`."""
-    return f"flux[{k * FLUX_STRIDE - back}]"
+# Kinds of symbols that terms do not read by their arrays s.
+_DIRECT = ("param", "size", "index", "input", "sum", "place")
+
+
+def _stride(at: Affine | None, pairs: bool) -> str:
+    """Returns the index in an array s of what a term reads for member k, or for pair k of a
+    member."""
+    step = 0 if at is None else at.factor(OTHER if pairs else ROW)
+    return {0: "0", 1: "k", -1: "-k"}.get(step, f"{step} * k")
 
 
 def _place(at: Affine | None) -> str:

@@ -1,7 +1,7 @@
-"""The values that a C function computes before its rows: totals, rates of states, `let`s.
+"""The values that a C function computes before its terms: totals, rates of states, `let`s.
 
-These values are stored in the model's memory, where rows read them. A total that only outputs
-contain is stored in a local array. `prepare` computes totals that contain only parameters.
+These values are stored in the model's memory, where terms read them. `prepare` computes totals that
+contain only parameters.
 """
 
 from __future__ import annotations
@@ -12,16 +12,17 @@ from ...middle.loops.indexed_ir import Slot
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.slots import Slots
 from .loops import Block, Places
-from .loops_plan import Plan, within
+from .loops_kernels import Terms
+from .loops_plan import Plan
 
-# A value to compute before rows: ("sum", number of the total), ("rate", name of the state), ("let",
+# A value to compute before terms: ("sum", number of the total), ("rate", name of the state), ("let",
 # number of the pass over members), or ("acceleration", "") for all accelerations.
 Key = tuple[str, str]
 STATE = "(p, t, q, v, u)"
 
 
 class Before:
-    """For each C function of a model, the lines that compute values before its rows."""
+    """For each C function of a model, the lines that compute values before its terms."""
 
     def __init__(
         self,
@@ -35,44 +36,20 @@ class Before:
         self.name = e.model.name
         self.states = {g.name for g in e.states}
         self.passes = {item.name: k for k, found in enumerate(e.along) for item in found}
-        watched = (*plan.singularities, *plan.switches)
-        inside = [*plan.blocks, *(b for x in watched for b in x.blocks)]
-        self.kept = {k for kind, k in self._below(inside) if kind == "sum"}
-        self.kept |= {str(k) for k in e.fixed}
         self.of = {name: self._needed(blocks) for name, blocks in self._functions(outputs)}
 
     def _functions(self, outputs: dict[str, Block]) -> Iterator[tuple[str, list[Block]]]:
-        plan, ids = self.plan, self.places.ids
-        scalars = [ids[g.name] for g in self.e.scalars]
-
-        def totals(*names: str) -> list[Block]:
-            found = (plan.totals[f"{what}_{g}"] for what in names for g in scalars)
-            return [block for x in found for block in x.blocks]
-
-        def sets(found: Iterable) -> list[Block]:
-            return [block for x in found for block in x.blocks]
-
-        for kernel, whats in within(self.e).items():
-            if kernel in plan.rows:
-                pairs = [pair.block for pair in plan.pairs.get(kernel, ())]
-                yield kernel, sets(plan.rows[kernel]) + totals(*whats.values()) + pairs
-        mass = [x for key, x in plan.totals.items() if key.startswith("mass_")]
-        rows = [*plan.rows.get("mass", ()), *plan.band]
-        if plan.chain and plan.chain.elimination:
-            rows += [x.set for x in plan.chain.elimination.mass]
-        yield "mass", sets(rows) + sets(mass)
-        yield "acceleration", sets(plan.rows.get("acceleration", ())) + totals("force")
+        plan = self.plan
+        for kernel in plan.kernels:
+            yield kernel.name, [*kernel.blocks]
+        chain = plan.chain and plan.chain.elimination
+        yield "elimination", [b for rows in chain.mass for b in rows.vector.blocks] if chain else []
         for kernel, block in outputs.items():
             observed = plan.observed.values() if kernel == "observe" else ()
-            yield kernel, [block, *sets(observed)]
-        yield "singularity", sets(plan.singularities)
-        yield "switching", sets(plan.switches)
-        for kernel in plan.slopes:
-            corner = [plan.totals[key] for *_, key in kernel.corner]
-            yield f"slopes_{kernel.name}", sets([*kernel.rows, *corner])
-        for what in ("energy", "lagrangian", "kinetic", "potential"):
-            if what in plan.totals:
-                yield what, plan.totals[what].blocks
+            yield kernel, [block, *_of(observed)]
+        yield "singularity", _of(plan.singularities)
+        yield "switching", _of(plan.switches)
+        yield from ((what, _of(found)) for what, found in plan.totals.items())
 
     # -- dependencies --------------------------------------------------------------------------
 
@@ -95,10 +72,8 @@ class Before:
         if kind == "acceleration":
             return []
         if kind == "sum":
-            return self.plan.totals[f"sum_{name}"].blocks
-        if kind == "let":
-            return self.plan.along[int(name)].blocks
-        return self.plan.rates[name].blocks
+            return _of(self.plan.totals[f"sum_{name}"])
+        return _of(self.plan.along[int(name)] if kind == "let" else self.plan.rates[name].terms)
 
     def _needed(self, blocks: Iterable[Block]) -> list[Key]:
         """Returns the values that must be computed before the given blocks, in the order of
@@ -119,29 +94,26 @@ class Before:
 
     # -- as C text -----------------------------------------------------------------------------
 
-    def place(self, k: str) -> str:
-        """Returns the C variable in which a total is stored."""
-        return f"{self.name}_sums(p)[{k}]" if k in self.kept else f"sum[{k}]"
+    def lines(self, *functions: str) -> str:
+        """Returns the C lines that compute the values that the given functions read."""
+        keys = dict.fromkeys(key for function in functions for key in self.of.get(function, []))
+        return "".join(f"    {self._line(*key)}\n" for key in keys)
 
-    def lines(self, function: str) -> Iterator[str]:
-        found = self.of.get(function, [])
-        if any(kind == "sum" and k not in self.kept for kind, k in found):
-            yield f"pk_real sum[{len(self.e.sums)}];"
-        for kind, k in found:
-            if kind == "sum":
-                yield f"{self.place(k)} = {self.name}_total_sum_{k}{STATE};"
-            elif kind == "acceleration":
-                yield f"{self.name}_accelerate{STATE};"
-            elif kind == "let":
-                yield f"{self.name}_along_{k}{STATE};"
-            else:
-                yield f"{self.name}_rate_{self.places.ids[k]}{STATE};"
+    def _line(self, kind: str, k: str) -> str:
+        if kind == "sum":
+            return f"{self.name}_sums(p)[{k}] = {self.name}_total_sum_{k}{STATE};"
+        if kind == "acceleration":
+            return f"{self.name}_accelerate{STATE};"
+        if kind == "let":
+            return f"{self.name}_along_{k}{STATE};"
+        return f"{self.name}_rate_{self.places.ids[k]}{STATE};"
 
     @property
     def fixed(self) -> list[str]:
         """Returns the numbers of the totals that `prepare` computes."""
-        return [
-            key[4:]
-            for key in self.plan.totals
-            if key[:4] == "sum_" and int(key[4:]) in self.e.fixed
-        ]
+        keys = (key[4:] for key in self.plan.totals if key.startswith("sum_"))
+        return [key for key in keys if int(key) in self.e.fixed]
+
+
+def _of(found: Iterable[Terms]) -> list[Block]:
+    return [terms.block for terms in found]

@@ -1,24 +1,24 @@
-"""The order of unknowns in the band matrix K = [M J^T; J 0], and its template variables.
+"""The order of unknowns in the band matrix K = [M J^T; J 0] and in matrices of derivatives, as tables
+for members_band.h, and the template variables of constraint rows.
 
-M is the mass matrix, J the matrix of the constraint rows. For each index the band has first the
-members of all families with this index, then one row of every family of constraints. A constraint
-row belongs to the largest index of a coordinate in it. The factorization K = L D L^T then needs no
-pivoting: each leading block of K is regular if the constraint rows are independent. A dense border
-follows the band: rows that reach around the end of a ring (a periodic family), then scalar
-coordinates and single rows.
+A constraint row belongs to the largest index of a coordinate in it. Rows that reach around the end
+of a ring (a periodic family) lie behind all others.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import Any
 
 from ...graph.affine import Affine
-from ...middle.loops.indexed_ir import Bound, Group
+from ...middle.loops.indexed_ir import Bound, Group, Sum
 from ...middle.loops.indices import size_values
+from ...middle.loops.jacobians import Slopes
 from ...middle.loops.loops import LoopEquations
+from ...middle.loops.slots import M
 from .loops import Places
-from .loops_plan import BOUND, Plan, apart, singles
+from .loops_plan import BOUND, Plan, half_width
+from .loops_text import Numbers, table
 
 SAYS = {
     "constraint": "phi, which the rows of positions keep at 0",
@@ -29,122 +29,164 @@ SAYS = {
 }
 
 
-def _free(g: Group, e: LoopEquations, side: int) -> int:
-    """Returns 1 if the end of the family is free (the ghost cell beyond it copies the last member),
-    else 0."""
+@dataclass
+class Layout:
+    """The order of unknowns. `unknowns` maps names of cells to numbers: those of the band, then
+    those of the border."""
+
+    name: str
+    unknowns: dict[Any, int] = field(default_factory=dict)
+    groups: dict[Any, Group] = field(default_factory=dict)  # of unknowns in the band
+    rows: list[str] = field(default_factory=list)  # of struct pk_unknown
+    slots: int = 0
+    width: int = 0
+    spares: int = 0
+    carried: bool = False
+
+    def enter(
+        self, key: Any, kind: str, family: int, homed: bool, ahead: int = 0, wraps=(0, 0)
+    ) -> None:
+        self.unknowns[key] = len(self.rows)
+        numbers = ", ".join(map(str, (family, int(homed), ahead, *wraps)))
+        self.rows.append(f"{{PK_{kind}, {numbers}}}")
+
+    def text(self, model: str) -> str:
+        stem, border = f"{model}_{self.name}", len(self.rows) - self.slots
+        rows = table("struct pk_unknown", f"{stem}_unknowns", self.rows)
+        numbers = ", ".join(
+            map(str, (self.slots, border, self.width, self.spares, int(self.carried)))
+        )
+        unknowns = f"{stem}_unknowns" if self.rows else "NULL"
+        return f"{rows}static const struct pk_layout {stem}_layout = {{{unknowns}, {numbers}}};\n\n"
+
+
+def layout_of_k(e: LoopEquations, plan: Plan, numbers: Numbers) -> Layout:
+    """Returns the order of unknowns in K: at each index the members of families, then one row of
+    each recurrence and of each family of constraints."""
+    found, families = Layout("K"), numbers.families
+    for g in e.banded:
+        found.groups[g.name] = g
+        found.enter(g.name, "COORDINATE", families[g.name, ""], True)
+    made: list[tuple[Any, Group, Sum]] = []
+    for item, kernel in zip(e.carried, plan.made, strict=True) if e.extended else ():
+        entries = tuple(_entry(goal.to, goal.terms.over) for goal in kernel.goals)
+        made.append((("made", item.group.name), item.group, entries))
+    made += [(x.group.name, x.group, x.jacobian) for x in e.bound if not x.is_single]
+    for key, group, entries in made:
+        is_made = isinstance(key, tuple)
+        ahead, wraps = _ahead(e, entries), _wraps(e, entries)
+        at = (numbers.range(*wraps), len(wraps)) if wraps else (0, 0)
+        found.groups[key] = group
+        own = families[(key[1], "") if is_made else (key, "lambda")]
+        found.enter(key, "NONE" if is_made else "ROW", own, False, ahead, at)
+    found.slots = len(found.rows)
+    for g in e.scalars:
+        found.enter(g.name, "COORDINATE", families[g.name, ""], True)
+    for x in e.bound:
+        if x.is_single:
+            found.enter(x.group.name, "ROW", families[x.group.name, "lambda"], False)
+    found.spares = spares_of(e)
+    for k in range(found.spares):
+        found.enter(("spare", k), "NONE", 0, False)
+    found.carried = e.extended
+    inertia = tuple(_entry(x.to, x.over) for x in e.mass)
+    found.width = max(
+        half_width([inertia], found.unknowns, found.groups, found.slots),
+        *(_behind(e, found, key, entries) for key, _, entries in made),
+        0,
+    )
+    return found
+
+
+def _entry(to: tuple, over: tuple):
+    from ...middle.loops.indexed_ir import Addend
+
+    return Addend(over, 0, to)
+
+
+def _behind(e: LoopEquations, layout: Layout, key: Any, entries: Sum) -> int:
+    """Returns the largest distance of a row from the coordinates in it."""
+    ahead, own = _ahead(e, entries), layout.unknowns[key]
+    return max(
+        (ahead - shift + _free(g, 1)) * layout.slots + own - layout.unknowns[g.name]
+        for g, shift in _reach(e, entries)
+    )
+
+
+def _reach(e: LoopEquations, entries: Sum) -> list[tuple[Group, int]]:
+    """Returns the families in constraint rows, with the distances of members from the row's
+    index."""
+    columns = [x.to[1] for x in entries if x.to[1][1] is not None]
+    return [(e.group(name), (at - M).constant) for name, at in columns]
+
+
+def _ahead(e: LoopEquations, entries: Sum) -> int:
+    """Returns the distance from the index of a constraint row to the largest index of a coordinate
+    in the row."""
+    return max(shift + _free(g, -1) for g, shift in _reach(e, entries))
+
+
+def _wraps(e: LoopEquations, entries: Sum) -> list[Affine]:
+    """Returns the indices below which a row reaches around the end of a ring, for each ring."""
+    least: dict[str, int] = {}
+    for g, shift in _reach(e, entries):
+        if g.periodic:
+            least[g.name] = min(shift, least.get(g.name, shift))
+    return [e.group(name).lo - shift for name, shift in least.items()]
+
+
+def _free(g: Group, side: int) -> int:
+    """Returns 1 if the end of the family is free (beyond it stands the last member), else 0."""
     at = g.lo - 1 if side < 0 else g.hi + 1
     return int(any(end.kind == "free" and index == at for index, end in g.ends))
 
 
-def _reach(e: LoopEquations, rows: Bound) -> Iterator[tuple[Group, int]]:
-    for name, shift in rows.entries:
-        if shift is not None:
-            yield e.group(name), shift
-
-
-def _ahead(e: LoopEquations, rows: Bound) -> int:
-    """Returns the distance from the index of a constraint row to the largest index of a coordinate
-    in the row."""
-    return max(shift + _free(g, e, -1) for g, shift in _reach(e, rows))
-
-
-def shape_of(e: LoopEquations, places: Places, made: tuple[Bound, ...]) -> dict[str, Any]:
-    """Returns the shape of K: its half bandwidth, the number of unknowns per index, the first and
-    last index of each family, and the size of the border."""
-    names = [g.name for g in e.banded]
-    banded = [*made, *(rows for rows in e.bound if not rows.is_single)]
-    slots = len(names) + len(banded)
-    of = {name: (e.group(name), k) for k, name in enumerate(names)}
-    found = [apart(of[a], of[b], shift, slots) for a, b, shift in e.mass.entries]
-    for k, rows in enumerate(banded, len(names)):
-        ahead = _ahead(e, rows)
-        found += [
-            (ahead - shift + _free(g, e, 1)) * slots + k - names.index(g.name)
-            for g, shift in _reach(e, rows)
-        ]
-    index = places.index
-    first = [index(g.lo) for g in e.banded]
-    first += [index(rows.group.lo + _ahead(e, rows)) for rows in banded]
-    return {
-        "width": max(found, default=0),
-        "slots": slots,
-        "least": first,
-        "greatest": [index(g.hi) for g in e.banded],
-        "ring": [index(g.hi) for g in e.families if g.periodic],
-        "whole": len(e.scalars) + sum(rows.is_single for rows in e.bound) + spares_of(e),
-    }
+def layout_of_slopes(e: LoopEquations, slopes: Slopes, numbers: Numbers) -> Layout:
+    found, families = Layout("slopes"), numbers.families
+    carried = {g.name for g in e.carried_groups}
+    for unknown, g in slopes.families:
+        kind, name = unknown
+        found.groups[unknown] = g
+        of = "COORDINATE" if kind == "v" else "OTHER"
+        homed = kind in ("v", "a") and name not in carried
+        found.enter(unknown, of, families[name, "lambda" if kind == "lambda" else ""], homed)
+    found.slots = len(found.rows)
+    scalars = {g.name for g in e.scalars}
+    for kind, name in slopes.scalars:
+        of = "COORDINATE" if kind == "v" else "OTHER"
+        family = families[name, ""] if name in scalars else 0
+        found.enter((kind, name), of, family, False)
+    found.width = half_width(slopes.all, found.unknowns, found.groups, found.slots)
+    return found
 
 
 def spares_of(e: LoopEquations) -> int:
     """Returns the number of scalar coordinates in constraint rows of the band. If the columns of
     these coordinates are left out, at most this many more rows become dependent on the others."""
-    felt = {name for rows in e.bound for name, shift in rows.entries if shift is None}
-    if e.extended and any(not rows.is_single for rows in e.bound):
+    banded = [x for x in e.bound if not x.is_single]
+    felt = {x.to[1][0] for rows in banded for x in rows.jacobian if x.to[1][1] is None}
+    if e.extended and banded:
         of = (z for item in e.carried for piece in item.pieces for z in piece.by)
         felt |= {z.name for z in of if z.at is None}
     return len(felt)
 
 
-def bound_context(e: LoopEquations, plan: Plan, places: Places) -> dict[str, Any]:
-    """Returns the template variables of constraint rows, and of the rows of recurrences."""
-    index, rows = places.index, [_row(e, rows, places) for rows in e.bound]
-    made = [_row(e, rows, places) for rows in plan.made]
-    banded = [*made, *(x for x in rows if not x["single"])]
-    for k, x in enumerate(banded, len(e.banded)):
-        x["slot"] = k
-        x["made"] = k < len(e.banded) + len(made)
-    for k, x in enumerate((x for x in rows if x["single"]), len(e.scalars)):
-        x["slot"] = k
-    sizes = size_values(e.model)
+def bound_context(e: LoopEquations, places: Places) -> dict[str, Any]:
+    """Returns the template variables of constraint rows."""
+    index, sizes = places.index, size_values(e.model)
+    rows = [
+        places.group(x.group) | {"declared": x.name, "holonomic": x.holonomic} for x in e.bound
+    ]
+    if not e.bound:
+        return {"bound": (), "bound_kernels": ()}
     total = sum((x.group.count for x in e.bound), Affine())
     holonomic = sum((x.group.count for x in e.bound if x.holonomic), Affine())
-    known = {
+    return {
         "bound": rows,
-        "made": made,
-        "spares": spares_of(e),
-        "banded_rows": banded,
-        "all_jacobian": [*plan.jacobian.values(), *plan.border.values()],
-        "jacobian_sets": plan.jacobian,
-    }
-    if not e.bound:
-        return known | {"single_rows": (), "border_sets": {}, "bound_kernels": ()}
-    return known | {
-        "single_rows": [x for x in rows if x["single"]],
-        "border_sets": {
-            places.ids[name]: {"set": s, "rows": [x.group.name for x in singles(e, e.group(name))]}
-            for name, s in plan.border.items()
-        },
-        "bound_sets": plan.bound,
         "bound_kernels": list(BOUND),
         "bound_says": SAYS,
         "n_constraints": total.value(sizes),
         "n_holonomic": holonomic.value(sizes),
         "bound_count": index(total),
         "holonomic_count": index(holonomic),
-    }
-
-
-def _row(e: LoopEquations, rows: Bound, places: Places) -> dict[str, Any]:
-    group, index = rows.group, places.index
-    found: dict[str, Any] = places.group(group) | {
-        "declared": rows.name,
-        "single": rows.is_single,
-        "holonomic": rows.holonomic,
-        "corner": [{"scalar": name, "id": places.ids[name]} for name in rows.corner],
-    }
-    if rows.is_single:
-        return found
-    wraps = [(g, shift) for g, shift in _reach(e, rows) if g.periodic]
-    least: dict[str, int] = {}
-    for g, shift in wraps:
-        least[g.name] = min(shift, least.get(g.name, shift))
-    ends = [e.group(name).lo - shift for name, shift in least.items()]
-    return found | {
-        "ahead": _ahead(e, rows),
-        # A row with an index below one of these crosses the end of a ring.
-        "wraps": [index(end) for end in ends],
-        "entries": [
-            {"scalar": name} if shift is None else {"other": places.ids[name], "shift": shift}
-            for name, shift in rows.entries
-        ],
     }

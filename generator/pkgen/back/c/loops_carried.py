@@ -17,17 +17,17 @@ Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapt
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 from ...graph.affine import Affine
 from ...graph.graph import CONSTANT, ZERO, Node
-from ...middle.loops.indexed_ir import Carried, Group, Part, Piece, Row, Slot
+from ...middle.loops.indexed_ir import Carried, Group, Piece, Slot
 from ...middle.loops.loops import LoopEquations
 from ..targets import STORE, Target
 from .loops import INNER, Block, M, Places
-from .loops_sets import Builder, RowSet
+from .loops_kernels import Builder, Terms
 
 BESIDE = 1  # This number, in place of an offset, marks a scalar coordinate.
 Variable = tuple[int, int]  # (index relative to the loop's index m, at most 0; family's number)
@@ -38,17 +38,21 @@ MODES = {"state": ("own",), "force": ("coasting", "by"), "motion": ("by", "by_ra
 
 @dataclass
 class Level:
-    """Recurrence values of one level and index range, which one loop computes."""
+    """Recurrence values of one level and index range, which one C function computes; `stores` has
+    the C pointer of each value, at the first member."""
 
-    rows: RowSet
-    group: dict  # template variables of the first recurrence value
-    stores: list[str]  # The C variable that stores r[k], for each k.
-    guards: list[tuple[str, str]]  # (C condition, C variable that is 0 if the condition holds)
+    terms: Terms
+    stores: list[str]
 
-    @property
-    def of_place(self) -> list[str]:
-        """Returns those of `stores` that are derivatives; outside the index range they are 0."""
-        return [x for x in self.stores if x.startswith(("slopes", "changes"))]
+
+@dataclass
+class Clear:
+    """A derivative, number `number` in memory, which is 0 but for the indices lo..hi (C text)."""
+
+    array: str
+    number: int
+    lo: str
+    hi: str
 
 
 class Carrying:
@@ -56,7 +60,7 @@ class Carrying:
 
     def __init__(self, e: LoopEquations, places: Places, make: Builder):
         self.e, self.g, self.places, self.make = e, e.graph, places, make
-        self.slots = make.interior.slots
+        self.slots = make.slots
         self.groups = {g.name: g for g in e.rows}
         self.number = {name: k for k, name in enumerate(self.groups)}
         self.scalar = {g.name: k for k, g in enumerate(e.scalars)}
@@ -78,7 +82,9 @@ class Carrying:
         """Returns the largest difference between the indices of rows that are coupled by a
         recurrence or by the mass matrix, at least 1."""
         found = [offset for _, (offset, _) in (*self.slopes, *self._shared)]
-        found += [shift for _, _, shift in self.e.mass.entries]
+        found += [
+            (b - a).constant for (_, a), (_, b) in (x.to for x in self.e.mass) if None not in (a, b)
+        ]
         return -min([-1, *found])
 
     # -- derivatives --------------------------------------------------------------------------
@@ -91,7 +97,9 @@ class Carrying:
     def _is_low(self, item: Carried, piece: Piece) -> bool:
         """Returns whether a piece of a recurrence holds only near the first index, at a fixed
         distance from it."""
-        return Part(piece.lo, piece.hi, ZERO).is_point and (piece.hi - item.group.lo).is_constant
+        length = piece.hi - piece.lo
+        short = length.is_constant and length.constant <= 8
+        return short and (piece.hi - item.group.lo).is_constant
 
     def _place_slopes(self) -> None:
         changing = []
@@ -102,10 +110,10 @@ class Carrying:
                 if shared is not None:
                     self._shared[key] = shared
                     continue
-                self.slopes[key] = f"slopes[{len(self.slopes)}]"
+                self.slopes[key] = f"slopes[{len(self.slopes)} * span]"
                 if any(piece.by_rate.get(slot, ZERO) != ZERO for piece in item.pieces):
                     changing.append(key)
-        self.changes = {key: f"changes[{k}]" for k, key in enumerate(changing)}
+        self.changes = {key: f"changes[{k} * span]" for k, key in enumerate(changing)}
 
     def _same_for_all(self, item: Carried, slot: Slot) -> Node | None:
         """Returns the derivative of a recurrence value by the variable `slot`, if it is the same
@@ -121,23 +129,16 @@ class Carrying:
         before = all(_at_least(target.lo - piece.hi - shift, 1) for piece in rest)
         return node if before and (begins or not rest) else None
 
-    def outside(self, item: Carried, slot: Slot) -> str:
-        """Returns the C condition that the index of a variable is beyond an end of its family; ""
-        if the index never is."""
+    def outside(self, item: Carried, slot: Slot) -> bool:
+        """Returns whether the index of a variable may be beyond an end of its family."""
         if slot.at is None or not self.groups[slot.name].ends:
-            return ""
+            return False
         target, shift = self.groups[slot.name], (slot.at - M).constant
         uses = [piece for piece in item.pieces if slot in piece.by]
-        if all(
+        return not all(
             _at_least(x.lo + shift - target.lo, 0) and _at_least(target.hi - x.hi - shift, 0)
             for x in uses
-        ):
-            return ""
-        return self.beyond(target, shift)
-
-    def beyond(self, target: Group, shift: int) -> str:
-        at = self.places.index(M + shift)
-        return f"{at} < {self.places.index(target.lo)} || {at} > {self.places.index(target.hi)}"
+        )
 
     def slope(self, name: str, low: bool, change: bool = False) -> Iterator[tuple[Variable, Node]]:
         """Yields pairs (variable, derivative by it) for the variables in the definition of a
@@ -164,51 +165,77 @@ class Carrying:
 
     # -- passes along the chain ----------------------------------------------------------------
 
-    def _levels(self, mode: str) -> Iterator[Level]:
-        found: dict[tuple[int, Affine, Affine], list[Carried]] = {}
-        for item in self.e.carried:
-            found.setdefault((item.level, item.group.lo, item.group.hi), []).append(item)
-        for k, items in enumerate(found.values()):
-            rows: list[Row] = []
-            stores: list[str] = []
-            guards: list[tuple[str, str]] = []
-            for item in items:
-                for store, outside, value in self._values(item, mode):
-                    rows.append(self._row(item, value))
-                    stores.append(store)
-                    guards += [(outside, store)] if outside else []
-            made = self.make.rows(f"{mode}_{k}", items[0].group, rows, ghosts=False)
-            yield Level(made, self.places.group(items[0].group), stores, guards)
+    @property
+    def mutual(self) -> bool:
+        """Whether a recurrence value is made from one of a higher level, or of its level with other
+        index ranges, at a lower index. Then all are computed index by index; else one behind the
+        other."""
+        items = {item.group.name: item for item in self.e.carried}
 
-    def _values(
-        self, item: Carried, mode: str
-    ) -> Iterator[tuple[str, str, Callable[[Piece], Node]]]:
-        """Yields a triple for each value that the pass `mode` computes: the C variable of the
-        value, the C condition under which the value is 0, and a function that returns the node of
-        the value for a piece of the recurrence."""
-        what, name = MODES[mode], item.group.name
+        def apart(item: Carried, other: Carried) -> bool:
+            ranges = [[(p.lo, p.hi) for p in x.pieces] for x in (item, other)]
+            return other.level > item.level or (
+                other.level == item.level and ranges[0] != ranges[1]
+            )
+
+        return any(
+            apart(item, items[z.name])
+            for item in self.e.carried
+            for piece in item.pieces
+            for z in piece.by
+            if z.name in items and z.name != item.group.name
+        )
+
+    def _levels(self, mode: str) -> Iterator[Level]:
+        found: dict[tuple[int, Affine, Affine], list[tuple[str, Node]]] = {}
+        for item in self.e.carried:
+            for piece in item.pieces:
+                values = found.setdefault((item.level, piece.lo, piece.hi), [])
+                values += self._values(item, piece, mode)
+        for k, ((_, lo, hi), values) in enumerate(found.items()):
+            nodes = [node for _, node in values]
+            terms = Terms(f"along_{mode}_{k}", (lo, hi), nodes, sequence=True)
+            yield Level(terms, [store for store, _ in values])
+
+    def _values(self, item: Carried, piece: Piece, mode: str) -> Iterator[tuple[str, Node]]:
+        """Yields the C pointer and the node of each value that the pass `mode` computes."""
+        what, name, index = MODES[mode], item.group.name, self.places.index
         texts = {"value": "q", "rate": "v", "coasting": "w", "own": "d"}
         for key, kind in texts.items():
             if key in (*what, "value", "rate"):
-                array, at = self.places.carried(kind, name, M)
-                text = f"{array}[{self.places.index(at)}]"
-                yield text, "", lambda piece, key=key: getattr(piece, key)
-        for key, stored in (("by", self.slopes), ("by_rate", self.changes)):
-            for slot in dict.fromkeys(z for piece in item.pieces for z in piece.by):
+                array, at = self.places.carried(kind, name, piece.lo)
+                yield f"x.{array} + {index(at)}", getattr(piece, key)
+        for key, stored, array in (("by", self.slopes, "slopes"), ("by_rate", self.changes, "changes")):
+            for slot in dict.fromkeys(z for each in item.pieces for z in each.by):
                 at = (name, self.variable(slot))
                 if key in what and at in stored:
-                    outside = self.outside(item, slot)
-                    yield (
-                        stored[at],
-                        outside,
-                        lambda piece, key=key, slot=slot: getattr(piece, key).get(slot, ZERO),
-                    )
+                    number = [*stored].index(at)
+                    place = f"x.{array} + {number} * x.span + ({index(piece.lo)}) - base"
+                    yield place, getattr(piece, key).get(slot, ZERO)
 
-    def _row(self, item: Carried, value: Callable[[Piece], Node]) -> Row:
-        parts = ((piece, value(piece)) for piece in item.pieces)
-        carried = [g.name for g in self.e.carried_groups]
-        inside = self.slots.inside
-        return Row(tuple(Part(p.lo, p.hi, x, inside(x, carried)) for p, x in parts if x != ZERO))
+    @property
+    def clears(self) -> Iterator[Clear]:
+        """Yields the derivatives with the index range outside which they are 0."""
+        for item in self.e.carried:
+            for slot in dict.fromkeys(z for piece in item.pieces for z in piece.by):
+                key, lo, hi = (item.group.name, self.variable(slot)), [item.group.lo], [item.group.hi]
+                if slot.at is not None:
+                    target, shift = self.groups[slot.name], (slot.at - M).constant
+                    lo.append(target.lo - shift)
+                    hi.append(target.hi - shift)
+                for array, stored in (("slopes", self.slopes), ("changes", self.changes)):
+                    if key in stored:
+                        yield Clear(array, [*stored].index(key), self.most(lo), self.least(hi))
+
+    def most(self, found: list[Affine], call: str = "pk_most") -> str:
+        """Returns the largest of some indices in C."""
+        text, *more = dict.fromkeys(map(self.places.index, found))
+        for other in more:
+            text = f"{call}({text}, {other})"
+        return text
+
+    def least(self, found: list[Affine]) -> str:
+        return self.most(found, "pk_least")
 
     # -- from forces on recurrence values to forces on coordinates -------------------------------
 

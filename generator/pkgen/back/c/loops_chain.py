@@ -11,7 +11,7 @@ from ...middle.loops.loops import LoopEquations
 from .loops import Block, M, Places
 from .loops_carried import Carrying
 from .loops_elimination import Elimination, of_scalars
-from .loops_sets import Builder
+from .loops_kernels import Builder
 from .program import operations_text
 
 # For each kernel, the pass along the chain (see MODES) that it needs.
@@ -30,11 +30,11 @@ class Chain:
     @property
     def operations(self) -> Iterator[str]:
         """Yields the counts of operations per member, as text."""
-        rows = [level.rows.inner for level in self.carrying.levels["force"]]
+        rows = [level.terms.block for level in self.carrying.levels["force"]]
         chain, solved = self.elimination, []
         if chain:
             solved = [chain.steps[False], chain.backs[False]]
-            solved += [rows.set.inner for rows in chain.mass]
+            solved += [block for rows in chain.mass for block in rows.vector.blocks]
         for name, blocks in (("carried values", rows), ("elimination", solved)):
             if not blocks:
                 continue
@@ -48,14 +48,14 @@ class Chain:
         of = self.carrying
         for levels in of.levels.values():
             for level in levels:
-                yield from level.rows.blocks
+                yield level.terms.block
         for found in (of.gathered, of.moved, self.hung):
             yield from found.values()
         if self.elimination:
             for found in (self.elimination.steps, self.elimination.backs):
                 yield from found.values()
             for rows in self.elimination.mass:
-                yield from rows.set.blocks
+                yield from rows.vector.blocks
             yield self.last
 
 
@@ -65,13 +65,16 @@ def chain_context(chain: Chain | None) -> dict[str, Any] | None:
         return None
     of = chain.carrying
     e, index = of.e, of.places.index
-    lows = [index(at) for at in of.low] or [index(g.lo) for g in of.groups.values()]
     return {
         "rows": [of.places.group(g) for g in of.groups.values()],
         "groups": [_group(of, g) for g in e.carried_groups],
         "coordinates": [k for k, g in enumerate(of.groups.values()) if not g.is_carried],
         "reach": of.reach,
-        "low": list(dict.fromkeys(lows)) if of.low else [],
+        "low": of.most(of.low) if of.low else "",
+        "lowest": of.least([g.lo for g in of.groups.values()]),
+        "highest": of.most([g.hi for g in of.groups.values()]),
+        "mutual": of.mutual,
+        "clears": list(of.clears),
         "whole": index(of.places.whole),
         "count": index(of.places.whole - e.count),
         "slopes": len(of.slopes),
@@ -105,5 +108,6 @@ def _solved(chain: Chain) -> dict[str, Any]:
         "last": chain.last.statements,
         "mass": last.mass,
         "pivots": max(len(last.coordinates), len(of.scalar)),
-        "corner": [f"mass_{a}_{b}" for a, b in of.e.mass.corner],
+        "corner": [f"mass_{a}_{b}" for a, b in last.corner],
+        "inertia": sum(rows.vector.outputs for rows in last.mass),
     }

@@ -13,24 +13,25 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ...graph.graph import ZERO, Graph, Node
-from ...middle.loops.indexed_ir import Group, Row
+from ...middle.loops.indexed_ir import Addend, Group
 from ..targets import STORE, Target
 from .loops import INNER, Block
-from .loops_carried import BESIDE, Carrying, Variable
-from .loops_sets import RowSet
+from .loops_carried import BESIDE, Carrying, Clear, Variable
+from .loops_kernels import Vector
 
 Pair = tuple[Variable, Variable]
 
 
 @dataclass
 class MassRows:
-    """The row of the matrix M~ (see loops_carried.py) of one family at one index: the entries in
-    columns of the same and of lower indices."""
+    """The row of the matrix M~ (see loops_carried.py) of one family: the entries in columns of the
+    same and of lower indices, as a vector with an output for each."""
 
     group: dict
     number: int
-    set: RowSet
-    guards: list[tuple[str, int]]  # (C condition that a column does not exist, its number)
+    vector: Vector
+    clears: list[Clear]
+    first: int  # the number of its first entry in memory
     is_padded: bool  # whether it is a coordinate; its pivot is 1 outside its range
 
 
@@ -80,6 +81,10 @@ class Elimination:
     def __init__(self, of: Carrying):
         self.of, self.g = of, of.g
         self.mass = list(self._mass_rows())
+        # Entries of M~ that couple scalars, each pair once, in order.
+        pairs = dict.fromkeys((x.to[0][0], x.to[1][0]) for x in of.e.mass if x.to[0][1] is None)
+        alone = (pair for pair in pairs if pair[1] in of.scalar)
+        self.corner = [(a, b) for a, b in alone if of.scalar[a] <= of.scalar[b]]
         self.coordinates = [k for k, rows in enumerate(self.mass) if rows.is_padded]
         self.front: dict[Pair, int] = {}
         self.bulk: dict[Pair, int] = {}
@@ -99,24 +104,33 @@ class Elimination:
     def _mass_rows(self) -> Iterator[MassRows]:
         of, e = self.of, self.of.e
         self.entries: list[list[tuple[Variable, int]]] = []
+        first = 0
         for name, group in of.groups.items():
             number = of.number[name]
-            found: list[tuple[Variable, Row]] = []
-            guards = []
-            for (own, other, shift), row in e.mass.entries.items():
-                at = (shift, of.number[other])
-                if own != name or shift > 0 or (shift == 0 and at[1] > number):
+            found: dict[Variable, list[Addend]] = {}
+            for x in e.mass:
+                (own, row), (other, column) = x.to
+                if own != name:
                     continue
-                if not _same_range(group, of.groups[other]) or shift:
-                    guards.append((of.beyond(of.groups[other], shift), len(found)))
-                found.append((at, row))
-            for (scalar, own), row in e.mass.border.items():
-                if own == name:
-                    found.append(((BESIDE, of.scalar[scalar]), row))
-            self.entries.append([(at, k) for k, (at, _) in enumerate(found)])
-            own_row = [row for at, row in found]
-            made = of.make.rows(f"inertia_{name}", group, own_row)
-            yield MassRows(of.places.group(group), number, made, guards, not group.is_carried)
+                at = (BESIDE, of.scalar[other]) if column is None else (
+                    (column - row).constant, of.number[other]
+                )
+                if column is None or at[0] < 0 or (at[0] == 0 and at[1] <= number):
+                    found.setdefault(at, []).append(Addend(x.over, x.node, x.to[:1]))
+            self.entries.append([(at, k) for k, at in enumerate(found)])
+            made = of.make.vector(f"inertia_{of.places.ids[name]}", [*found.values()], [group])
+            clears = [self._clear(group, at, k) for k, at in enumerate(found)]
+            is_own = not group.is_carried
+            yield MassRows(of.places.group(group), number, made, clears, first, is_own)
+            first += len(found)
+
+    def _clear(self, group: Group, at: Variable, k: int) -> Clear:
+        of, lo, hi = self.of, [group.lo], [group.hi]
+        if at[0] != BESIDE:
+            other = [*of.groups.values()][at[1]]
+            lo.append(other.lo - at[0])
+            hi.append(other.hi - at[0])
+        return Clear("", k, of.most(lo), of.least(hi))
 
     # -- elimination at one index ----------------------------------------------------------------
 
@@ -128,7 +142,7 @@ class Elimination:
                     matrix.entries[pair] = self.of.place(f"{name}[{k}]")
         for number, entries in enumerate(self.entries):
             for at, k in entries:
-                node = self.of.place(f"inertia_{number}[{k}]")
+                node = self.of.place(f"inertia_{number}[{k} * span]")
                 front.add((0, number), at, node)
                 bulk.add((0, number), at, node)
             if self.mass[number].is_padded:
@@ -233,11 +247,9 @@ def of_scalars(chain: Elimination) -> Block:
         for pair, k in places.items():
             if pair[0][0] == BESIDE:
                 matrix.entries[pair] = of.place(f"{name}[{k}]")
-    for k, (a, b) in enumerate(of.e.mass.corner):
-        x, y = (BESIDE, of.scalar[a]), (BESIDE, of.scalar[b])
-        if x <= y:
-            for matrix in (front, bulk):
-                matrix.add(x, y, of.place(f"corner[{k}]"))
+    for k, (a, b) in enumerate(chain.corner):
+        for matrix in (front, bulk):
+            matrix.add((BESIDE, of.scalar[a]), (BESIDE, of.scalar[b]), of.place(f"corner[{k}]"))
     targets, right, factors = [], {}, {}
     for k in of.scalar.values():
         right[k] = of.place(of.cell((BESIDE, k)))
@@ -270,6 +282,3 @@ def _next(at: Variable) -> Variable:
     offset, number = at
     return at if offset == BESIDE else (offset + 1, number)
 
-
-def _same_range(a: Group, b: Group) -> bool:
-    return a.lo == b.lo and a.hi == b.hi

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
 from ...equations import Facts
-from ...graph.affine import variable
+from ...graph.affine import Affine, variable
 from ...graph.graph import Node
 from ...middle.loops.indices import size_values
 from ...middle.loops.loops import Assigned, Limit, LoopEquations, Summed
@@ -17,26 +18,17 @@ from ..targets import ADD, RETURN, STORE, Target
 from . import loop_parameters, loops_tables, tables
 from .describe import labelled
 from .helpers import helpers
-from .loops import BLOCK, CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering, M, Places
+from .loop_parameters import Assignment, Summing
+from .loops import FIXED, INNER, Block, Lowering, M, Places
 from .loops_before import Before
-from .loops_bound import bound_context, shape_of
+from .loops_bound import Layout, bound_context, layout_of_k, layout_of_slopes
 from .loops_chain import chain_context
-from .loops_plan import (
-    TOTALS,
-    VECTORS,
-    divides,
-    emitted,
-    entries,
-    planned,
-    watches_momenta,
-    within,
-)
-from .loops_sets import Assignment, Builder, Summing
-from .loops_singular import described
-from .loops_slopes import slopes_context
-from .loops_steps import stepper
+from .loops_kernels import Builder
+from .loops_plan import TOTALS, VECTORS, divides, emitted, planned, watches_momenta, within
+from .loops_steps import has_steps
 from .loops_switches import described as switches
 from .loops_switches import sides
+from .loops_text import KernelText, Numbers
 from .program import LoopProgram, operations_text
 from .render import frame, pasted
 
@@ -63,10 +55,11 @@ class _Context:
         self.places = Places(e)
         builder = Builder(e, self.places)
         self.plan = planned(e, builder, kernels)
-        self.slots = builder.interior.slots
+        self.slots = builder.slots
+        self.fused = "advance" in kernels and has_steps(e, self.plan, self.slots)
         # No nodes are added to the graph after this.
         self.e = e = replace(e, slots=tuple(self.slots.all))
-        self.given = {at: [_value(node, INNER) for node in nodes] for at, nodes in e.given.items()}
+        self.given = {at: [_value(node) for node in nodes] for at, nodes in e.given.items()}
         self.defaults = [self._assigned(x, parameter=True) for x in e.defaults]
         self.starts = [self._assigned(x) for x in e.starts]
         self.bounds = [
@@ -84,14 +77,14 @@ class _Context:
             *(block for x in (*self.defaults, *self.starts) for block in x.blocks),
             *self.bounds,
             *self.outputs.values(),
-            *(block for found in self.plan.singularities for block in found.blocks),
         ]
         self.before = Before(e, self.places, self.plan, self.slots, self.outputs)
-        blocks += [block for found in self.plan.switches for block in found.blocks]
-        held = [node for block in blocks if block.where != FIXED for node in block.nodes]
+        watched = {id(terms.block) for terms in self.plan.switches}
+        held = [x for b in blocks if b.where != FIXED and id(b) not in watched for x in b.nodes]
         decided = sides(e, self.slots, held)
         self.e = e = replace(e, slots=tuple(self.slots.all))
-        self.lowering = Lowering(e, self.places, libm, blocks, self.before.kept, decided)
+        self.lowering = Lowering(e, self.places, libm, blocks, decided)
+        self.numbers = Numbers(e, self.places)
 
     def _observed(self) -> Iterator[Target]:
         """Yields the stores of outputs that are a single number."""
@@ -121,64 +114,35 @@ class _Context:
     def text(self) -> dict[str, Any]:
         e, w, plan, index = self.e, self.lowering, self.plan, self.places.index
         model, group, ids = e.model, self.places.group, self.places.ids
-        diagonal = divides(e)
-        alone = diagonal and not e.force.pairs
-        fused = alone and "advance" in self.kernels
-        acceleration = "direct" if alone else "divide" if diagonal else "solve"
-        acceleration = "carried" if e.carried and not e.extended else acceleration
         constant = e.facts.mass_constant and not e.carried  # recurrences use its memory
-        inside = {
-            kernel: {"name": kernel, "outputs": list(outputs), "whats": list(outputs.values())}
-            for kernel, outputs in within(e).items()
-            if kernel in plan.rows
-        }
         kernels = [
-            {"name": kernel, "outputs": list(outputs), "inside": inside[kernel]["outputs"]}
+            {"name": kernel, "outputs": list(outputs), "inside": list(within(e)[kernel])}
             for kernel, outputs in VECTORS.items()
             if kernel in self.kernels
         ]
-        main = plan.band or plan.rows["force" if "force" in plan.rows else "acceleration"]
-        chain = chain_context(plan.chain)
-        homed = {ids[g.name] for g in e.families}
         parameters = [loops_tables.parameter(e, self.places, k) for k in range(len(e.parameters))]
         system = self._system_kernels()
         # In struct pk_system these kernels are replaced by others: with constraints by kernels that
         # add J^T lambda, for solved equations by one in which p = v and p' = a.
         own = {"force", "canonical"} if e.bound else {"canonical"} if e.solved else set()
-        answered = plan.slopes_of is not None and plan.slopes_of.answered
+        answered = plan.slopes is not None and plan.slopes.answered
         accelerates = any(slot.kind == "acc" for slot in e.slots)
-        in_block = any(g.is_family for g in e.parameters)
-        return {
+        banded = "inertia" in plan.matrices
+        layouts = self._layouts()
+        regions = self._regions(answered or accelerates, layouts)
+        found = {
             **frame(model, _told(e), set(system) - own, parameters, loops_tables.names(e)),
             "n": e.count.value(size_values(model)),
             "kernels": list(system.values()),
             "sincos_header": pasted("sincos.h") if any(b.trig for b in w.blocks) else "",
-            "ldl_header": pasted("ldl.h"),
+            "headers": self._headers(layouts),
             "reductions": (),
             "events": tables.events(e),
             "cyclic": (),
             "forms": (),
             "n_hoisted": w.hoisted_count,
-            "parameter_functions": loop_parameters.functions(
-                model.name,
-                [
-                    loop_parameters.code(
-                        g, self.places, self.bounds[k], self.defaults[k], k, e.summed
-                    )
-                    for k, g in enumerate(e.parameters)
-                ],
-                self.starts,
-                w.hoisted_count,
-                w.prepare,
-                factored=constant and not diagonal,
-                bound=bool(e.bound),
-                block=in_block
-                or not diagonal
-                or answered
-                or accelerates
-                or bool(self._regions() or e.switches),
-                fixed=self.before.fixed,
-                summed=e.summed,
+            "parameter_functions": self._parameter_functions(
+                constant and banded, bool(regions or e.switches or self._families_of_parameters)
             ),
             "sizes": [
                 {"c_name": self.places.sizes[s.name], "name": s.name, "value": s.value}
@@ -192,80 +156,174 @@ class _Context:
             "rotations": list(loops_tables.rotations(e, self.places)),
             "groups": [group(g) for g in e.coordinates],
             "families": [group(g) for g in e.families],
-            "banded": [group(g) for g in e.banded],
-            "tied": bool(e.bound or e.extended),
-            "work": f"{model.name}_matrix(p)" if e.extended else "p->work_",
             "scalars": [group(g) for g in e.scalars],
             "limits": [self._limit(limit) for limit in e.limits],
-            "readers": list(self._readers()),
-            "row_sets": plan.rows,
-            "band_sets": plan.band,
-            "entries": {ids[g.name]: [x for x, _ in entries(e, g, ids)] for g in e.banded},
-            "band": self._band() if plan.band else None,
-            "carried": chain,
-            "inner": "whole_" if chain else "",
-            "inner_vectors": list(inside.values()),
-            **bound_context(e, plan, self.places),
-            **slopes_context(e, plan, self.places),
+            "given": self._given(),
+            "layouts": layouts,
+            "K": layouts.get("K"),
+            "K_rings": any(g.periodic for g in e.families),
+            "regions": regions,
+            "carried": chain_context(plan.chain),
+            "extended": e.extended,
+            "band": banded,
+            "inner": "whole_" if e.carried else "",
+            "inner_vectors": [
+                {"name": kernel, "outputs": list(outputs)}
+                for kernel, outputs in within(e).items()
+                if kernel in plan.vectors
+            ],
+            **bound_context(e, self.places),
             "solved": e.solved,
-            "totals": plan.totals,
-            "pairs": plan.pairs,
+            "plan": plan,
             "vectors": kernels,
             "with_mass": {"mass", "inertia"} & self.kernels,
             "with_inertia": e.bound or ("inertia" in self.kernels and not e.carried),
             "with_canonical": "canonical" in self.kernels,
             "with_multipliers": self.with_multipliers,
+            "with_slopes": plan.slopes is not None,
+            "closed": "slopes_closed" in plan.matrices,
+            "answered": answered,
+            "pulled": "slopes_closed" in plan.matrices and bool(e.bound or e.solved),
             "scalar_kernels": [k for k in TOTALS if k in plan.totals],
             "says": {name: KERNELS[name].says for name in (*VECTORS, *TOTALS, *self.outputs)},
             "outputs": {k: x.statements for k, x in self.outputs.items() if self._there(k)},
             **loops_tables.outputs_of_members(e, self.places, plan),
-            "singularities": list(described(e, self.places)),
-            "singular": {
-                "sets": plan.singularities,
-                "pivots": ("mass" if diagonal else "pivots") if e.pivots else "",
-            },
+            "singularities": list(loops_tables.singularities(e)),
+            "pivots": ("mass" if divides(e) else "pivots") if e.pivots else "",
             "before": self.before,
             "accelerates": accelerates,
-            "rated": [(self.places.ids[name], x) for name, x in plan.rates.items()],
-            "along": plan.along,
-            "regions": self._regions(),
+            "rated": [
+                (ids[name], x, group(e.group(name))) for name, x in plan.rates.items()
+            ],
+            "lets": [
+                (k, found, [index(self.places.let(x.to[0][0], x.over[0])) for x in parts])
+                for k, found in plan.along.items()
+                for parts in [[x for item in e.along[k] for x in item.parts]]
+            ],
             "switches": list(switches(e, self.places)),
-            "switch_sets": plan.switches,
             "with_lambda": any(slot.kind == "lambda" for slot in e.slots),
             "with_momenta": watches_momenta(e),
-            "chunk": CHUNK,
-            "block": BLOCK,
-            "widest": WIDEST_BOND,
-            "acceleration": acceleration,
+            "divides": divides(e),
             "constant_mass": constant,
+            "masses": [block.value for block in plan.masses],
             "helpers": helpers(w.helpers),
             "float_too": w.work.constants.float_too,
             "operations": list(self._operations()),
             "proved": labelled(facts(e, e.facts)),
             "constant": labelled(invariants(e, e.facts)),
-            "stepper": stepper(e, plan, self.places, self.slots) if fused else None,
-            "wraps": any(g.periodic for g in e.families),
-            "homes": [
-                s.group
-                for s in main
-                if plan.band
-                or (plan.slopes and s.group["name"] in homed)
-                or s.ghosts
-                or s.group["periodic"]
-            ],
+            "stepper": self.fused,
         }
+        text = KernelText(model.name, e, self.numbers)
+        found |= {"text": text, "tables_of": self._tables(text, layouts), "numbers": self.numbers}
+        # All ranges are known now: behind them in `at_` are the places of the regions.
+        return found | {"room": 3 * len(self.numbers.rows) + len(self.numbers.more)}
 
-    def _regions(self) -> dict[str, dict[str, str]]:
-        """Returns the arrays at the end of the model's memory: their lengths and descriptions."""
-        found, count = {}, self.places.index(self.e.count)
-        if watches_momenta(self.e):
-            found["momentum"] = {"count": count, "says": "Room for the momenta that outputs have"}
-        if self.plan.rates:
+    @property
+    def _families_of_parameters(self) -> bool:
+        return any(g.is_family for g in self.e.parameters)
+
+    def _layouts(self) -> dict[str, Layout]:
+        found = {}
+        if "inertia" in self.plan.matrices:
+            found["K"] = layout_of_k(self.e, self.plan, self.numbers)
+        if self.plan.slopes is not None:
+            found["slopes"] = layout_of_slopes(self.e, self.plan.slopes, self.numbers)
+        return found
+
+    def _headers(self, layouts: dict[str, Layout]) -> list[str]:
+        names = ["members.h"]
+        names += ["ldl.h", "members_band.h"] * bool(layouts or self.plan.made)
+        names += ["members_chain.h"] * bool(self.plan.made)
+        names += ["members_steps.h"] * self.fused
+        return [pasted(name) for name in names]
+
+    def _tables(self, text: KernelText, layouts: dict[str, Layout]) -> str:
+        """Returns all functions of terms, and the tables for members.h."""
+        plan = self.plan
+        parts = [text.vector(x) for x in (*plan.vectors.values(), *plan.rates.values())]
+        if plan.chain and plan.chain.elimination:
+            found = (rows.vector for rows in plan.chain.elimination.mass)
+            parts += [text.vector(vector) for vector in found if vector.outputs]
+        for key, kernel in plan.matrices.items():
+            of = layouts["slopes" if key.startswith("slopes") else "K"]
+            parts.append(text.matrix(kernel, of.unknowns))
+        for item, kernel in zip(self.e.carried, plan.made, strict=False):
+            if "K" in layouts:
+                parts.append(text.matrix(kernel, layouts["K"].unknowns))
+            if "slopes" in layouts:
+                carried = {g.name for g in self.e.carried_groups}
+                known = {
+                    name: number
+                    for (kind, name), number in layouts["slopes"].unknowns.items()
+                    if kind == ("rate" if name in carried else "v")
+                }
+                known["made", item.group.name] = layouts["slopes"].unknowns["hung_p", item.group.name]
+                parts.append(text.matrix(kernel, known, "slopes_", "K" not in layouts))
+        parts += [text.terms_table(f"{key}_terms", found) for key, found in plan.totals.items()]
+        parts += [text.terms_table(f"let_{k}_terms", found) for k, found in plan.along.items()]
+        parts += [text.terms_table(f"observe_{k}_terms", [x]) for k, x in plan.observed.items()]
+        parts.append(text.terms_table("singularity_terms", plan.singularities))
+        parts.append(text.terms_table("switching_terms", plan.switches))
+        if plan.chain:
+            for mode, levels in plan.chain.carrying.levels.items():
+                parts.append(text.terms_table(f"along_{mode}_terms", [x.terms for x in levels]))
+        return "".join(parts)
+
+    def _parameter_functions(self, factored: bool, block: bool) -> str:
+        e, w = self.e, self.lowering
+        rows = [
+            loop_parameters.code(g, self.places, self.bounds[k], self.defaults[k], k, e.summed)
+            for k, g in enumerate(e.parameters)
+        ]
+        return loop_parameters.functions(
+            e.model.name,
+            rows,
+            self.starts,
+            w.hoisted_count,
+            w.prepare,
+            factored=factored,
+            bound=bool(e.bound),
+            block=block,
+            fixed=self.before.fixed,
+            summed=e.summed,
+        )
+
+    def _given(self) -> list[dict[str, Any]]:
+        """Returns the values, rates and accelerations of given members: the number of the family,
+        the index and the statements of each."""
+        found = []
+        for (name, at), blocks in self.given.items():
+            family = self.numbers.families[name, ""]
+            orders = [block.statements for block in blocks]
+            found.append({"family": family, "at": self.places.index(at), "orders": orders})
+        return found
+
+    def _regions(self, answered: bool, layouts: dict[str, Layout]) -> dict[str, dict[str, str]]:
+        """Returns the parts of the model's memory behind families of parameters: their lengths and
+        descriptions, in order."""
+        e, plan, index, name = self.e, self.plan, self.places.index, self.e.model.name
+        found, count = {}, index(e.count)
+        if e.carried:
+            found["memory"] = {"count": f"{name}_memory_size(p)", "says": "Carried values"}
+        if "K" in layouts:
+            found["K"] = {"count": "(ptrdiff_t)pk_matrix_size(&K)", "says": "M, or K = [M J^T; J 0]"}
+            found["unknowns"] = {"count": "K.all", "says": "Unknowns of K"}
+        if e.bound:
+            rows = sum((x.group.count for x in e.bound), Affine())
+            found["lambda"] = {"count": index(rows), "says": "Multipliers"}
+        if answered or e.bound:
+            found["accelerated"] = {"count": count, "says": "Accelerations"}
+        if "K" in layouts and layouts["K"].spares:
+            spares = str(layouts["K"].spares)
+            found["spared"] = {"count": spares, "says": "Rows of constraints that have a spare"}
+        if watches_momenta(e):
+            found["momentum"] = {"count": count, "says": "Momenta that outputs have"}
+        if plan.rates:
             found["rated"] = {"count": count, "says": "Rates of states that others use"}
-        if self.before.kept & {key[4:] for key in self.plan.totals if key[:4] == "sum_"}:
-            found["sums"] = {"count": str(len(self.e.sums)), "says": "Sums that rows have in them"}
-        if self.plan.along:
-            length = self.places.index(self.places.n_lets)
+        if any(key.startswith("sum_") for key in plan.totals):
+            found["sums"] = {"count": str(len(e.sums)), "says": "Sums that terms have in them"}
+        if plan.along:
+            length = index(self.places.n_lets)
             found["lets"] = {"count": length, "says": "What outputs have of each member"}
         return found
 
@@ -291,44 +349,16 @@ class _Context:
         unless = "" if limit.unless is None else self.places.index(limit.unless)
         return {"needs": self.places.index(limit.needs), "unless": unless}
 
-    def _readers(self) -> Iterator[dict[str, Any]]:
-        """Yields the C functions that read a member of a family by its index, which may be beyond
-        an end. Each array (q, v, ...) that is read by index in this way has its own function."""
-        places, used = self.places, {word for b in self.lowering.blocks for word in b.words}
-        for g in self.e.families:
-            for kind, order in {"q": 0, "v": 1, "s": 0, "w": 2, "d": 3, "a": 3, "acc": 2}.items():
-                name = f"{self.lowering.prefix}{kind}_{places.ids[g.name]}"
-                if name not in used:
-                    continue
-                ends = []
-                for at, end in g.ends:
-                    item: dict[str, Any] = {"at": places.index(at), "kind": end.kind}
-                    if end.kind == "free":
-                        home = g.lo if at == g.lo - 1 else g.hi
-                        item["home"] = places.index(places.flat(g.name, home))
-                    elif kind not in ("d", "a") or g.is_state:
-                        order = 1 if kind == "a" else order
-                        item["lines"] = self.given[g.name, at][order].statements
-                    ends.append(item)
-                yield places.group(g) | {"reader": name, "kind": kind, "given": ends}
-
-    def _band(self) -> dict[str, Any]:
-        """Returns the template variables of the band matrix: a band, in which the families are
-        interleaved by index, and a border of scalar coordinates."""
-        e, ids = self.e, self.places.ids
-        return {
-            **shape_of(e, self.places, self.plan.made),
-            "periodic": any(g.periodic for g in e.families),
-            "corner": [
-                {"a": a, "b": b, "key": f"mass_{ids[a]}_{ids[b]}"} for a, b in e.mass.corner
-            ],
-            "scalars": [g.name for g in e.scalars],
-        }
-
     def _operations(self) -> Iterator[str]:
-        totals = (t.rows for key, t in self.plan.totals.items() if key in TOTALS and t.rows)
-        for s in (*(s for found in self.plan.rows.values() for s in found), *totals):
-            yield f"{s.name}: {operations_text(s.inner.operations)} a member"
+        for key, kernel in self.plan.vectors.items():
+            if key in VECTORS or key in ("acceleration", "mass", "divide"):
+                found = sum((block.operations for block in kernel.blocks), Counter())
+                yield f"{key}: {operations_text(found)} a member"
+        for key in TOTALS:
+            terms = [x for x in self.plan.totals.get(key, ()) if x.over]
+            if terms:
+                found = sum((x.block.operations for x in terms), Counter())
+                yield f"{key}: {operations_text(found)} a member"
         if self.plan.chain:
             yield from self.plan.chain.operations
 
@@ -340,5 +370,5 @@ def _told(e: LoopEquations) -> Facts:
     return replace(e.facts, **one) if e.solved else e.facts
 
 
-def _value(node: Node, where: str) -> Block:
-    return Block.of(RETURN, "", [node], where)
+def _value(node: Node) -> Block:
+    return Block.of(RETURN, "", [node], INNER)

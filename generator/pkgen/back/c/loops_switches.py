@@ -13,22 +13,21 @@ from ...graph.differentiate import reachable
 from ...graph.graph import VARIABLE, ZERO, Node, Symbol
 from ...graph.surfaces import Surfaces, argument_of
 from ...middle.derive.switches import free
-from ...middle.loops.indexed_ir import Part, Total
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.slots import Slots
 from ...middle.loops.switches import Members
 from .loops import Places
+from .loops_kernels import Terms
 
 
-def terms(e: LoopEquations) -> Iterator[Total]:
-    """Yields the switching function of each switch as a total. The switch of a family has a term
-    for each index between the least and the greatest at which it occurs."""
+def terms(e: LoopEquations) -> Iterator[Terms]:
+    """Yields the switching function of each switch. The switch of a family has a value for each
+    index between the least and the greatest at which it occurs."""
     for k, x in enumerate(e.switches):
+        over: tuple[Affine, ...] = ()
         if x.ranges[0]:
-            lo, hi = (Affine(0, ((f"{which}{k}'", 1),)) for which in ("least", "most"))
-            yield Total(ZERO, (Part(lo, hi, x.node, x.inner),))
-        else:
-            yield Total(x.node)
+            over = tuple(Affine(0, ((f"{which}{k}'", 1),)) for which in ("least", "most"))
+        yield Terms(f"switch_{k}", over, [x.node])
 
 
 def sides(e: LoopEquations, slots: Slots, nodes: Iterable[Node]) -> dict[Node, tuple[Symbol, int]]:

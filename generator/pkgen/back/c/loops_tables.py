@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import zip_longest
 from typing import Any
 
 from ...equations import Quantity
+from ...graph.affine import ROW, Affine
+from ...indices import indexed
 from ...middle.loops.indexed_ir import Bound, Group
 from ...middle.loops.indices import size_values
 from ...middle.loops.loops import LoopEquations
-from .loops import M, Places
+from .loops import Places
 from .loops_plan import Plan
 
 
@@ -33,18 +36,33 @@ def outputs_of_members(e: LoopEquations, places: Places, plan: Plan) -> dict[str
     index, count = places.index, places.observed[-1]
     rows = [
         {
-            "set": s,
-            "cell": index(places.observed[k] + M - e.outputs[k].lo),
+            "first": index(places.observed[k]),
             "lo": index(e.outputs[k].lo),
             "count": index(e.outputs[k].count),
             "k": k,
         }
-        for k, s in plan.observed.items()
+        for k in plan.observed
     ]
     sizes = size_values(e.model)
     return {"observed_rows": rows, "observed_count": index(count)} | (
         {"n_observed": count.value(sizes)} if rows else {}
     )
+
+
+def singularities(e: LoopEquations) -> Iterator[dict[str, str]]:
+    """Yields a row of the table for each singularity; pivots of M come first."""
+    for g in e.coordinates if e.pivots else ():
+        name = f"the pivot of {indexed(g.shown, 'i' if g.is_family else None)}"
+        yield _singularity(name, "COORDINATES", (g.lo, g.hi) if g.is_family else ())
+    for x in e.singularities:
+        yield _singularity(x.name, x.use, x.over)
+
+
+def _singularity(text: str, use: str, over: tuple[Affine, ...]) -> dict[str, str]:
+    found = {"name": text, "kind": f"PK_SINGULARITY_{use}"}
+    for key, at in zip_longest(("lo", "hi", "first", "last"), over):
+        found[f"{key}_text"] = "" if at is None else at.text({ROW: "i"})
+    return found
 
 
 def parameter(e: LoopEquations, places: Places, k: int) -> dict[str, Any]:

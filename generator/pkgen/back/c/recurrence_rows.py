@@ -14,22 +14,21 @@ is positive (P. Finsler, 1937). W has about the size of the inertia.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from ...middle.loops.indexed_ir import Bound, Carried, Group, Row
+from ...middle.loops.indexed_ir import Addend
 from ...middle.loops.jacobians_recurrences import made
 from ...middle.loops.loops import LoopEquations
-from ...middle.loops.slots import Slots
-from .loops import Places
+from .loops_kernels import Builder, Kernel
 
 
-def made_of(e: LoopEquations, places: Places, slots: Slots) -> tuple[Bound, ...]:
-    """Returns the row of C for each recurrence value, in the order of computation."""
-    return tuple(_row(e, item, places, slots) for item in e.carried)
-
-
-def _row(e: LoopEquations, item: Carried, places: Places, slots: Slots) -> Bound:
-    own, nothing = item.group, Row()
-    group = Group(replace(own.declared, name=places.made[own.name]), own.lo, own.hi)
-    sizes = nothing, nothing
-    return Bound("", group, nothing, nothing, nothing, sizes, made(e, slots, item))
+def made_of(e: LoopEquations, make: Builder) -> tuple[Kernel, ...]:
+    """Returns the row of C for each recurrence value, in the order of computation. Its cells have
+    the name ("made", name of the value)."""
+    found = []
+    for item in e.carried:
+        name = item.group.name
+        entries = [
+            Addend(x.over, x.node, ((("made", name), x.to[0][1]), x.to[1]))
+            for x in made(e, make.slots, item)
+        ]
+        found.append(make.kernel(f"made_{make.places.ids[name]}", [entries], short=False))
+    return tuple(found)

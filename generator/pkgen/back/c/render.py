@@ -30,7 +30,6 @@ from .describe import entries, labelled, operations_rows
 from .helpers import helpers
 from .kernel_code import KernelCode
 from .lane_code import LANE_ARGUMENTS, LaneCode
-from .loop_code import LoopCode
 from .program import Kernel, LoopProgram, Program, operations_text
 
 if TYPE_CHECKING:
@@ -93,7 +92,7 @@ def render(
 
 def render_loops(program: LoopProgram) -> dict[str, str]:
     """Returns the C files of a model whose families are loops."""
-    context = program.context | {"loops": LoopCode(program.name, program.context["before"])}
+    context = program.context
     templates = {".h": "loop_header.h.j2", ".c": "loop_source.c.j2"}
     return _files(program.name, context, templates if context["plain"] else templates | GLUE)
 

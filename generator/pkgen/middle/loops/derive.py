@@ -9,19 +9,18 @@ from ...model import Model
 from ...source import Diagnostic, ModelError
 from ..expand.names import entered
 from ..quantities import indexed, refuse_constant
-from .bodies import Gathered
 from .constraint_rows import bound_of
 from .expand import LoopExpander
-from .facts import facts_of, own_nodes, vector_nodes
-from .indexed_ir import Band, Carried, Row, Unrolled, Vector
+from .facts import facts_of
+from .indexed_ir import Addend, Carried, Sum, Unrolled, merged, nodes_of, of_name
 from .indices import size_values
 from .loops import Limit, LoopEquations
 from .recurrences import by_places, carried_of, inert
-from .rows import Gather
+from .rows import Assembler
 from .singularities import singularities_of
 from .statements import Outputs, bounds_of, defaults_of, given_of, starts_of
 from .switches import switches_of
-from .terms import Term, terms
+from .terms import terms
 
 # A model with one of these fields keeps no loops; the value is the reason.
 _UNROLLED = {
@@ -44,54 +43,38 @@ def derive_loops(model: Model) -> LoopEquations:
 
 
 def _derive(x: LoopExpander) -> LoopEquations:
-    model, gather = x.model, Gather(x)
-    sized = size_values(model).keys()
-    if not any(
-        group.is_family and {n for n, _ in group.count.terms} & sized
-        for group in x.coordinates.values()
-    ):
-        raise Unrolled("no family of coordinates has a length that depends on a size")
-    if model.source.parts:
-        raise Unrolled("the model has parts")
-    for field, why in _UNROLLED.items():
-        if getattr(model, field):
-            raise Unrolled(why)
-    if model.lagrangian and not model.coordinates:
-        raise Unrolled("L is of first degree in the rates")
-    found: dict[str, list[tuple[Term, int]]] = {}
-    for kind, sign in (("kinetic", 1), ("potential", -1), ("lagrangian", 1)):
-        found[kind] = []
-        for term in (t for expr in getattr(model, kind) for t in terms(x, expr)):
-            gather.lagrangian(term, sign)
-            found[kind].append((term, 1))
+    model, assembler = x.model, Assembler(x)
+    _check_kept(x)
+    kinetic, potential, stated = (
+        assembler.bodies((term, 1) for expr in getattr(model, kind) for term in terms(x, expr))
+        for kind in ("kinetic", "potential", "lagrangian")
+    )
+    negative = tuple(Addend(body.over, x.graph.negate(body.node)) for body in potential)
+    lagrangian = merged((*kinetic, *negative, *stated), x.graph)
+    assembler.lagrangian(lagrangian)
     for expr in model.dissipation:
-        for term in terms(x, expr):
-            gather.dissipation(term)
-    gather.felt_through()
-    _forces(x, gather)
-    _check_rates(x, gather)
-    bound = bound_of(x, gather)
-    carried = carried_of(x, gather)
-    negative = [(term, -1) for term, _ in found["potential"]]
-    whole = [*found["kinetic"], *negative, *found["lagrangian"]]
-    energy = gather.energy(whole)
-    stated = bool(model.lagrangian)
-    kinetic = None if stated else gather.total(found["kinetic"])
-    potential = None if stated else gather.total(found["potential"])
-    lagrangian = gather.total(whole)
-    vectors = {
-        what: _vector(x, gather.found, what) for what in ("gradient", "momenta", "pdot", "force")
-    }
-    mass = _band(gather.found)
+        assembler.dissipation(assembler.bodies((term, 1) for term in terms(x, expr)))
+    assembler.felt_through()
+    _forces(x, assembler)
+    _check_rates(x, assembler.quantity("force"))
+    bound = bound_of(x, assembler)
+    carried = carried_of(x, assembler)
+    energy = merged(
+        [body for part in (kinetic, negative, stated) for body in assembler.energy(part)], x.graph
+    )
+    if model.lagrangian:
+        kinetic = potential = None
+    vectors = {what: assembler.quantity(what) for what in ("gradient", "momenta", "pdot", "force")}
+    mass = assembler.quantity("mass")
     _check_inertia(x, mass, carried)
-    outputs = Outputs(x, gather, kinetic, potential, lagrangian, energy, vectors["momenta"])
+    outputs = Outputs(x, assembler, kinetic, potential, lagrangian, energy, vectors["momenta"])
     observed = outputs.observed()
     conserved = outputs.nodes(model.conserved)
     events = outputs.nodes(model.events)
     refuse_constant(model, x.graph, events)
     x.watched = False
-    starts = starts_of(x, gather)
-    defaults = defaults_of(x, gather)
+    starts = starts_of(x, assembler)
+    defaults = defaults_of(x, assembler)
     result = LoopEquations(
         model=model,
         graph=x.graph,
@@ -115,19 +98,18 @@ def _derive(x: LoopExpander) -> LoopEquations:
         bounds=bounds_of(x),
         starts=starts,
         limits=(),
-        wraps=gather.found.wraps,
+        wraps=assembler.wraps,
         carried=carried,
         extended=bool(carried) and not by_places(x, mass, carried),
         bound=bound,
         solved=_of_states(x, vectors["momenta"], carried),
     )
-    _check_points(x, result)
-    switches, whole = switches_of(x, result, gather.found.limits)
-    facts = facts_of(x, gather, result)
+    switches, whole = switches_of(x, result, assembler.limits)
+    facts = facts_of(x, assembler, result)
     facts = replace(facts, switched=whole and not facts.smooth)
-    limits = _limits(x, gather.found.limits)
+    limits = _limits(x, assembler.limits)
     result = replace(result, switches=switches, facts=facts, limits=limits)
-    singularities, pivots = singularities_of(x, gather, result)
+    singularities, pivots = singularities_of(x, result)
     if not model.coordinates:
         result = replace(result, kinetic=None, potential=None, lagrangian=None, energy=None)
     return replace(
@@ -142,28 +124,45 @@ def _derive(x: LoopExpander) -> LoopEquations:
     )
 
 
-def _forces(x: LoopExpander, gather: Gather) -> None:
+def _check_kept(x: LoopExpander) -> None:
+    """Raises Unrolled if the model has no family to keep, or a statement that families have not."""
+    model, sized = x.model, size_values(x.model).keys()
+    if not any(
+        group.is_family and {n for n, _ in group.count.terms} & sized
+        for group in x.coordinates.values()
+    ):
+        raise Unrolled("no family of coordinates has a length that depends on a size")
+    if model.source.parts:
+        raise Unrolled("the model has parts")
+    for field, why in _UNROLLED.items():
+        if getattr(model, field):
+            raise Unrolled(why)
+    if model.lagrangian and not model.coordinates:
+        raise Unrolled("L is of first degree in the rates")
+
+
+def _forces(x: LoopExpander, assembler: Assembler) -> None:
     """Adds the generalized forces and the time derivatives of states to the equations."""
     for item in (*x.model.forces, *x.model.rates):
         lo, hi, loop = x.over(item.range, item.index)
         group = x.coordinates[item.name]
         if lo is not None:
-            gather.found.limits += [Limit(lo - group.lo, hi - lo), Limit(group.hi - hi, hi - lo)]
+            assembler.limits += [Limit(lo - group.lo, hi - lo), Limit(group.hi - hi, hi - lo)]
         for term in terms(x, item.value, loop):
-            gather.applied_term(group, lo, hi, term)
+            assembler.applied_term(group, lo, hi, term)
     for rotation in x.rotations.all:
-        gather.attitude(rotation)
+        assembler.attitude(rotation)
     for group in x.coordinates.values():
         if group.is_state:
-            gather.state(group)
+            assembler.state(group)
 
 
-def _check_rates(x: LoopExpander, gather: Gather) -> None:
+def _check_rates(x: LoopExpander, force: Sum) -> None:
     """Raises Unrolled if the time derivatives of states depend on each other in a cycle."""
-    force, uses = _vector(x, gather.found, "force"), {}
+    uses = {}
     for group in x.coordinates.values():
         if group.is_state:
-            nodes = own_nodes(force, group.name)
+            nodes = nodes_of(of_name(force, group.name))
             uses[group.name] = {s.name for s in x.totals.below(*nodes) if s.kind == "a"}
     while uses:
         ready = {name for name, found in uses.items() if not found & uses.keys()}
@@ -172,42 +171,17 @@ def _check_rates(x: LoopExpander, gather: Gather) -> None:
         uses = {name: found for name, found in uses.items() if name not in ready}
 
 
-def _vector(x: LoopExpander, found: Gathered, what: str) -> Vector:
-    pairs = list(found.pairs) if what in ("gradient", "pdot", "force") else []
-    pairs += found.drags if what in ("pdot", "force") else []
-    return Vector(
-        rows={
-            g.name: Row(tuple(found.rows[what, g.name]))
-            for g in x.coordinates.values()
-            if g.is_family
-        },
-        totals={
-            g.name: found.totals[what, g.name] for g in x.coordinates.values() if not g.is_family
-        },
-        pairs=tuple(p for p in pairs if p.by_row or p.by_other or p.by_scalar),
-    )
-
-
-def _of_states(x: LoopExpander, momenta: Vector, carried: tuple[Carried, ...]) -> bool:
+def _of_states(x: LoopExpander, momenta: Sum, carried: tuple[Carried, ...]) -> bool:
     """Returns whether a momentum of a coordinate depends on a state."""
-    own = [g.name for g in x.coordinates.values() if g.is_state]
-    nodes = vector_nodes(momenta, frozenset(own))  # `nodes` also has the momenta of recurrences
+    own = {g.name for g in x.coordinates.values() if g.is_state}
+    nodes = [a.node for a in momenta if a.to[0][0] not in own]  # Also those of recurrences.
     nodes += [n for item in carried for piece in item.pieces for n in piece.by.values()]
     return any(slot.kind == "s" for slot in x.totals.below(*nodes))
 
 
-def _band(found: Gathered) -> Band:
-    return Band(
-        {key: Row(tuple(parts)) for key, parts in found.entries.items() if parts},
-        {key: Row(tuple(parts)) for key, parts in found.border.items() if parts},
-        dict(found.corner),
-    )
-
-
-def _check_inertia(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) -> None:
+def _check_inertia(x: LoopExpander, mass: Sum, carried: tuple[Carried, ...]) -> None:
     findings = []
-    own = {a for a, b, shift in mass.entries if (a, 0) == (b, shift)}
-    found = inert(own | {a for a, b in mass.corner if a == b}, carried)
+    found = inert({a.to[0][0] for a in mass if a.to[0] == a.to[1]}, carried)
     for group in x.coordinates.values():
         name, index = group.name, "i" if group.is_family else None
         if name not in found and not group.is_carried:
@@ -245,16 +219,3 @@ def _limits(x: LoopExpander, found: list[Limit]) -> tuple[Limit, ...]:
         kept[limit] = None
     plain = {limit.needs for limit in kept if limit.unless is None}
     return tuple(k for k in kept if k.unless is None or k.needs not in plain)
-
-
-def _check_points(x: LoopExpander, result: LoopEquations) -> None:
-    """Raises Unrolled if a term, such as one with q[7], adds to the equation of a single member far
-    from both ends of a family: in C, all these members share the code of one loop."""
-    rows = [(name, row) for name, row in result.force.rows.items()]
-    rows += [(key[0], row) for key, row in result.mass.entries.items()]
-    for name, row in rows:
-        group = x.coordinates[name]
-        for part in row.parts:
-            near = (part.hi - group.lo).is_constant or (group.hi - part.lo).is_constant
-            if part.is_point and not near:
-                raise Unrolled(f"a term is about {name}[{part.lo.text()}], far from the ends")

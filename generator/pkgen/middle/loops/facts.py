@@ -3,8 +3,6 @@ pk_fact). A fact that is False is not proved."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from ...equations import Facts
 from ...graph.calls import jumps, smooth
 from ...graph.collect import settled
@@ -12,70 +10,55 @@ from ...graph.differentiate import reachable
 from ...graph.graph import BIT, ZERO, Kind, Node, Op
 from ..analyze.affine import CONSTANT, VARYING, in_rates, is_affine
 from .expand import LoopExpander
-from .indexed_ir import CELLS, Bound, Row, Slot, Total, Vector
+from .indexed_ir import CELLS, Slot, nodes_of
 from .loops import LoopEquations
-from .recurrences import nodes_of
-from .rows import Gather
+from .recurrences import nodes_of as nodes_of_recurrences
+from .rows import Assembler
 from .singularities import moves
 
 
-def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
-    entries = [
-        part.node
-        for row in (*e.mass.entries.values(), *e.mass.border.values())
-        for part in row.parts
-    ]
-    entries += total_nodes(e.mass.corner.values())
-    forces = [*vector_nodes(e.force)]
-    own = vector_nodes(e.force, frozenset(g.name for g in e.states))
-    energies = total_nodes([e.lagrangian])
+def facts_of(x: LoopExpander, assembler: Assembler, e: LoopEquations) -> Facts:
+    entries, forces = nodes_of(e.mass), nodes_of(e.force)
+    states = {g.name for g in e.states}
+    own = [a.node for a in e.force if a.to[0][0] not in states]
+    energies = nodes_of(e.lagrangian)
     entries += [node for item in e.carried for piece in item.pieces for node in piece.by.values()]
-    states = any(
+    of_states = any(
         slot.kind in ("s", "a") and slot.name not in x.rotations.numbers
         for slot in x.totals.below(*energies, *own)
     )
     constant = not _kinds(x, entries) & {*CELLS, "t", "input", "w"}
     rows = [node for bound in e.bound for node in bound.nodes]
-    steady = not (_kinds(x, energies + forces) & {"t", "input"}) and not gather.moving
+    steady = not (_kinds(x, energies + forces) & {"t", "input"}) and not assembler.moving
     autonomous = steady and not _kinds(x, rows) & {"t", "input"}
-    others = [*rows, *nodes_of(e.carried)]
-    whole = x.totals.nodes(*energies, *forces, *others)
+    whole = x.totals.nodes(*energies, *forces, *rows, *nodes_of_recurrences(e.carried))
     below = reachable(x.graph, whole)
     is_smooth = smooth(x.graph, [n for n in below if x.graph.op[n] is Op.CALL and moves(x, n)])
     free = constant and not e.bound
     of_v = _in_rates(x, forces) if free and not (e.states or e.carried) else 0
     coasting = [piece.coasting for item in e.carried for piece in item.pieces]
-    coasting += [node for bound in e.bound for node in _nodes(bound.coasting)]
-    straight = not _kinds(x, [n for rows in e.bound for n in _slopes(rows)]) & {*CELLS, "w", "t"}
+    coasting += [node for bound in e.bound for node in nodes_of(bound.coasting)]
+    slopes = [node for bound in e.bound for node in nodes_of(bound.jacobian)]
+    straight = not _kinds(x, slopes) & {*CELLS, "w", "t"}
     jumping = any(
         jumps(x.graph, n) and moves(x, n) for n in reachable(x.graph, x.totals.nodes(*energies))
     )
     return Facts(
         mass_constant=constant,
-        mass_diagonal=e.mass.is_diagonal and not e.carried,
+        mass_diagonal=e.mass_diagonal and not e.carried,
         quadratic="v" not in _kinds(x, entries),
         separable=constant and straight and not _kinds(x, [*forces, *coasting]) & {"v", "s", "a"},
         autonomous=autonomous,
         conservative=bool(x.model.coordinates)
-        and not (gather.applied or jumping or states)
+        and not (assembler.applied or jumping or of_states)
         and steady
         and (autonomous and _workless(x, e) if e.bound else True),
-        variational=not (gather.applied or e.states or e.bound),
+        variational=not (assembler.applied or e.states or e.bound),
         smooth=is_smooth,
         affine=free and steady and not e.carried and _affine(x, forces),
         linear_drag=of_v == CONSTANT,
         affine_rates=of_v in (CONSTANT, VARYING),
     )
-
-
-def _slopes(rows: Bound) -> Iterable[Node]:
-    """Yields the entries of J in the constraint rows J v + j0."""
-    for found in (*rows.entries.values(), *rows.border.values(), *rows.corner.values()):
-        yield from _nodes(found)
-
-
-def _nodes(found: Row | Total) -> list[Node]:
-    return [getattr(found, "constant", ZERO), *(part.node for part in found.parts)]
 
 
 def _workless(x: LoopExpander, e: LoopEquations) -> bool:
@@ -84,7 +67,7 @@ def _workless(x: LoopExpander, e: LoopEquations) -> bool:
     def rest(slot: Slot) -> Node | None:
         return ZERO if slot.kind == "v" else None
 
-    left = [x.slots.swapped(node, rest) for bound in e.bound for node in _nodes(bound.rate)]
+    left = [x.slots.swapped(node, rest) for bound in e.bound for node in nodes_of(bound.rate)]
     return all(node == ZERO for node in settled(x.graph, left))
 
 
@@ -105,7 +88,7 @@ def _affine(x: LoopExpander, nodes: list[Node]) -> bool:
 def _in_rates(x: LoopExpander, nodes: list[Node]) -> int:
     slots = {node: x.slots.of(node) for node in reachable(x.graph, nodes)}
     kinds = {node: slot.kind for node, slot in slots.items() if slot is not None}
-    if {"a", "flux"} & {*kinds.values()} or x.totals.moving(*nodes):  # may contain rates
+    if "a" in kinds.values() or x.totals.moving(*nodes):  # may contain rates
         return 0
     same = ("param", "size", "index", "sum")
     return in_rates(x.graph, nodes, frozenset(n for n, kind in kinds.items() if kind in same))
@@ -115,32 +98,4 @@ def _kinds(x: LoopExpander, nodes: list[Node]) -> set[str]:
     found = {slot.kind for slot in x.totals.below(*nodes)} - {"sum"}
     if any(x.graph.depends[node] & BIT[Kind.TIME] for node in x.totals.nodes(*nodes)):
         found.add("t")
-    return found
-
-
-def total_nodes(totals: Iterable[Total]) -> list[Node]:
-    found = []
-    for total in totals:
-        found += [total.constant, *(p.node for p in total.parts), *(p.node for p in total.pairs)]
-    return found
-
-
-def vector_nodes(vector: Vector, without: frozenset[str] = frozenset()) -> list[Node]:
-    """Returns all nodes of a Vector, except the nodes that belong to the coordinates `without`."""
-    rows = [row for name, row in vector.rows.items() if name not in without]
-    totals = [total for name, total in vector.totals.items() if name not in without]
-    found = [part.node for row in rows for part in row.parts] + total_nodes(totals)
-    for pair in vector.pairs:
-        found += [node for side in (pair.by_row, pair.by_other, pair.by_scalar) for _, node in side]
-    return found
-
-
-def own_nodes(vector: Vector, name: str) -> list[Node]:
-    """Returns the nodes of a Vector that belong to the family or scalar coordinate `name`."""
-    rows = [vector.rows[name]] if name in vector.rows else []
-    found = [part.node for row in rows for part in row.parts]
-    found += total_nodes([vector.totals[name]] if name in vector.totals else [])
-    for pair in vector.pairs:
-        sides = (pair.by_row, pair.by_other, pair.by_scalar)
-        found += [node for side in sides for own, node in side if own == name]
     return found

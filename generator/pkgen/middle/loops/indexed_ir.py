@@ -1,25 +1,21 @@
-"""The intermediate representation of equations with loops over the members of families.
+"""The intermediate representation of equations of families whose lengths are chosen at run time.
 
 L is a sum of terms, each of which is a sum over i = lo..hi of one expression, the body. A member of
-a family is also called a cell. The derivative of L by cell m of a family,
-
-    row(m) = sum over terms, sum over offsets c,  [lo <= m - c <= hi] d body/d q[i+c] at i = m - c
-
-has a contribution (Part) of each body and offset c. The brackets are 1 if the condition in them
-holds, else 0. The members m for which all conditions hold and no cell beyond an end occurs are
-called the interior; there the row is one expression without conditions. A cell beyond an end is a
-given function of t (`fixed` end), equal to the cell at this end (`free`), or equal to a cell at the
-other end (`periodic`). In the last two cases, by the chain rule, its row is added to the row of the
-cell to which it is equal. This is valid for every length of a family, down to one member.
+a family is also called a cell. The derivatives of a body by the cells in it are added to the rows of
+these cells: an Addend is such an expression, with the range of its index and the cell to which it
+is added. An index beyond an end of a family has a given value (`fixed` end), or stands for the cell
+at this end (`free`) or for a cell at the other end (`periodic`); what is added to it is left out, or
+added to the row of the cell for which it stands. This is valid for every length of a family, down to
+one member.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import field
+from collections.abc import Iterable
+from typing import Any
 
 from ...graph.affine import Affine
-from ...graph.graph import Node
+from ...graph.graph import ZERO, Graph, Node
 from ...model import Constraint, Coordinate, Definition, End, Parameter, State
 from ...record import record
 
@@ -44,11 +40,10 @@ class Slot:
     "a": the acceleration of a coordinate as an unknown; 0 for a given member. For a first-order
         variable, its time derivative, also in a given member.
     "param", "size", "index", "input": a parameter, a size, a loop variable, an input.
-    "sum": the value of the Total whose number is the name.
+    "sum": the value of the sum over members whose number is the name.
     "lambda": a multiplier of the constraint rows with this name.
     "hung_p", "hung_f": unknowns of a recurrence (jacobians_recurrences.py).
     "side": the side of a switch, whose number is the name.
-    "flux": the force between two neighbouring members (back/c/loops_interior.py).
     "place": an element of a C array, with its C text as name.
     "p", "let", "acc": in outputs only, a momentum, a member of a `let` definition, and an
         acceleration, also of a given member.
@@ -111,98 +106,47 @@ class Group:
         return Affine(1) if self.lo is None else self.hi - self.lo + 1
 
 
+# A member of a family, as (name, index), or a scalar, as (name, None).
+Cell = tuple[Any, Affine | None]
+# Ranges of indices: () for a single expression, (lo, hi) for m, (lo, hi, first, last) for pairs m
+# and j, where `first` and `last` may contain m.
+Over = tuple[Affine, ...]
+
+
 @record
-class Part:
-    """The contribution of one body at one offset to the rows m = lo..hi.
+class Addend:
+    """The expression `node`, for each index in `over`, is added to a quantity: to its value for the
+    cell in `to`, of a matrix to its entry in the row and column of the two cells in `to`, or, if
+    `to` is (), to its only value."""
 
-    `inner` is the contribution to rows in the interior. There no member beyond a fixed end occurs.
-    """
-
-    lo: Affine
-    hi: Affine
+    over: Over
     node: Node
-    inner: Node | None = None
-
-    @property
-    def is_point(self) -> bool:
-        """Whether the range lo..hi has a constant length of a few members, which does not depend on
-        the length of the family."""
-        length = self.hi - self.lo
-        return length.is_constant and length.constant <= 8
+    to: tuple[Cell, ...] = ()
 
 
-@record
-class Row:
-    """A quantity with a value for each member of a family."""
-
-    parts: tuple[Part, ...] = ()
+Sum = tuple[Addend, ...]  # All addends of a quantity.
 
 
-@record
-class PairPart:
-    """The double sum of `node` over m = lo..hi and j = first..last, where `first` and `last` may
-    contain m. No pair (m, j) occurs twice."""
-
-    lo: Affine
-    hi: Affine
-    first: Affine
-    last: Affine
-    node: Node
+def merged(found: Iterable[Addend], g: Graph) -> Sum:
+    """Returns the addends, those with the same range and cells as one; without zeros."""
+    nodes: dict[tuple[Over, tuple[Cell, ...]], Node] = {}
+    for x in found:
+        key = x.over, x.to
+        nodes[key] = g.add(nodes[key], x.node) if key in nodes else x.node
+    return tuple(Addend(over, node, to) for (over, to), node in nodes.items() if node != ZERO)
 
 
-@record
-class Total:
-    """A quantity with a single value: a constant plus sums over members plus double sums."""
-
-    constant: Node = 0
-    parts: tuple[Part, ...] = ()
-    pairs: tuple[PairPart, ...] = ()
+def nodes_of(*sums: Iterable[Addend]) -> list[Node]:
+    return [x.node for found in sums for x in found]
 
 
-@record
-class PairForce:
-    """The derivatives of the body of a double sum over m and j, by the members and scalar
-    coordinates in it."""
-
-    lo: Affine
-    hi: Affine
-    first: Affine
-    last: Affine
-    # Pairs (family, derivative of the summand by member m of this family).
-    by_row: tuple[tuple[str, Node], ...]
-    # Pairs (family, derivative of the summand by member j of this family).
-    by_other: tuple[tuple[str, Node], ...]
-    # Pairs (scalar coordinate, derivative of the summand by this coordinate).
-    by_scalar: tuple[tuple[str, Node], ...]
+def of_name(found: Iterable[Addend], name: Any) -> Sum:
+    """Returns the addends to the cells with this name."""
+    return tuple(x for x in found if x.to[0][0] == name)
 
 
-@record
-class Vector:
-    """A quantity with a value for each coordinate: `rows` has the values of families, by name,
-    `totals` the values of scalar coordinates."""
-
-    rows: dict[str, Row]
-    totals: dict[str, Total]
-    pairs: tuple[PairForce, ...] = ()
-
-
-@record
-class Band:
-    """The mass matrix M. `entries` maps (family, other family, d) to the entries of M in the row of
-    member m of the first family and the column of member m + d of the other one. `border` has the
-    entries that couple a scalar coordinate with member m of a family. `corner` has the entries that
-    couple two scalar coordinates."""
-
-    entries: dict[tuple[str, str, int], Row]
-    border: dict[tuple[str, str], Row]
-    corner: dict[tuple[str, str], Total]
-
-    @property
-    def is_diagonal(self) -> bool:
-        off_corner = any(a != b for a, b in self.corner)
-        return not (self.border or off_corner) and all(
-            d == 0 and f == g for f, g, d in self.entries
-        )
+def is_diagonal(matrix: Iterable[Addend]) -> bool:
+    return all(x.to[0] == x.to[1] for x in matrix)
 
 
 @record
@@ -245,48 +189,33 @@ class Carried:
 @record
 class Bound:
     """The constraint rows J v + j0 of a statement `constraint` or `rolling`: one for each index of
-    the statement, or a single row if it has no index.
-
-    For a statement with an index, `entries` maps (name, shift) to the entries of J in row m for
-    member m + shift of a family; shift is None for a scalar coordinate. For a single row, `border`
-    has the entries of J for member m of a family, `corner` the entries for scalar coordinates.
-    """
+    the statement, or a single row if it has no index. The cells of the rows are (name of the group,
+    m), or (name, None) for a single row."""
 
     # The declared name.
     name: str
     # In C, constraints are numbered: the name of this group is the number of the constraint.
     group: Group
+    is_single: bool  # Whether the statement has no index, so that it has one row.
     # The function phi of a holonomic constraint phi = 0; for a `rolling` statement, 0.
-    position: Row | Total
+    position: Sum
     # The left-hand side of the constraint J v + j0 = 0.
-    rate: Row | Total
+    rate: Sum
     # The time derivative of J v + j0 if the accelerations of all coordinates are 0.
-    coasting: Row | Total
+    coasting: Sum
     # Bounds of the rounding errors of phi and of J v + j0 (graph/rounding.py).
-    sizes: tuple[Row | Total, Row | Total]
-    entries: dict[tuple[str, int | None], Row] = field(default_factory=dict)
-    border: dict[str, Row] = field(default_factory=dict)
-    corner: dict[str, Total] = field(default_factory=dict)
+    sizes: tuple[Sum, Sum]
+    jacobian: Sum
 
     @property
     def holonomic(self) -> bool:
         return isinstance(self.group.declared, Constraint) and self.group.declared.holonomic
 
     @property
-    def is_single(self) -> bool:
-        return not self.entries
-
-    @property
-    def ranged(self) -> Iterator[tuple[tuple[Affine, ...], Node]]:
-        """Yields all nodes that are computed at run time, each with its index range (lo, hi), or ()
-        for a single value."""
-        found = [self.position, self.rate, self.coasting]
-        found += [*self.entries.values(), *self.border.values(), *self.corner.values()]
-        for x in found:
-            yield from (((part.lo, part.hi), part.node) for part in x.parts)
-            if isinstance(x, Total):
-                yield (), x.constant
+    def all(self) -> Sum:
+        """All addends that are computed at run time, except sizes."""
+        return (*self.position, *self.rate, *self.coasting, *self.jacobian)
 
     @property
     def nodes(self) -> list[Node]:
-        return [node for _, node in self.ranged]
+        return nodes_of(self.all)

@@ -1,9 +1,10 @@
 """Jacobians of the momenta p and of p' for models with loops, as banded matrices with a border.
 
-The Jacobians by coordinates and rates would be dense if p' contains constraint forces or time
-derivatives of states, or if the equations are in solved form (see `solved` of LoopEquations). Then
-the accelerations a, these time derivatives and the multipliers lambda are additional unknowns,
-whose equations have banded Jacobians:
+An unknown is (kind, name), such as ("v", "q") for the rates of q; cells of matrices have unknowns in
+place of names. The Jacobians by coordinates and rates would be dense if p' contains constraint
+forces or time derivatives of states, or if the equations are in solved form (see `solved` of
+LoopEquations). Then the accelerations a, these time derivatives and the multipliers lambda are
+additional unknowns, whose equations have banded Jacobians:
 
     M a - f - J^T lambda = 0,   J a + gamma = 0,  where gamma is (J v + j0)' at a = 0.
 
@@ -13,17 +14,30 @@ the equation S - (sum over members) = 0.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
-from ...graph.graph import Node
+from ...graph.differentiate import gradient
+from ...graph.graph import BIT, ONE, ZERO, Kind, Node
 from ...record import record
-from .facts import total_nodes, vector_nodes
-from .indexed_ir import Band, Group, Row, Total, Unrolled
-from .jacobians_closed import Motion, nothing, of_vector
-from .jacobians_recurrences import Chain
+from .indexed_ir import Addend, Bound, Cell, Group, Sum, Unrolled, merged, nodes_of
 from .loops import LoopEquations
-from .matrices import BY_MORE, BY_PLACE, BY_RATE, BY_TOTALS, Derive, Matrix, Stated, Unknown
+from .rows import all_of
 from .slots import Slots
+
+Unknown = tuple[str, str]
+# The kinds of symbols (see Slot) by which derivatives are taken: positions, rates, additional
+# unknowns (including those of recurrences), and sums over members.
+BY_PLACE, BY_RATE = ("q",), ("v", "s", "d")
+BY_MORE = ("a", "lambda", "sum", "hung_p", "hung_f")
+BY_TOTALS = ("sum",)
+_OF = {**dict.fromkeys((*BY_PLACE, *BY_RATE), "v"), **{kind: kind for kind in BY_MORE}}
+_OF_CARRIED = {"q": "place", **dict.fromkeys(BY_RATE, "rate"), **{kind: kind for kind in BY_MORE}}
+_MASKS = {
+    BY_PLACE: BIT[Kind.COORDINATE],
+    BY_RATE: BIT[Kind.RATE] | BIT[Kind.STATE],
+    BY_MORE: BIT[Kind.INPUT] | BIT[Kind.COORDINATE] | BIT[Kind.RATE],
+    BY_TOTALS: BIT[Kind.INPUT],
+}
 
 
 @record
@@ -31,15 +45,15 @@ class Slopes:
     # The unknowns that have a value for each index of a family, each with its family.
     families: tuple[tuple[Unknown, Group], ...]
     scalars: tuple[Unknown, ...]
-    mass: Matrix
+    mass: Sum
     # The matrix M, extended by rows for the additional equations and by columns for the additional
     # unknowns (see the module). None if there are no additional unknowns.
-    closed: Matrix | None
-    p_q: Matrix
-    pdot_q: Matrix
-    pdot_v: Matrix
+    closed: Sum | None
+    p_q: Sum
+    pdot_q: Sum
+    pdot_v: Sum
     # The constraint forces J^T lambda, if p' contains them.
-    pull: dict[str, Row | Total] | None
+    pull: Sum | None
 
     @property
     def answered(self) -> bool:
@@ -48,88 +62,167 @@ class Slopes:
         return any(kind in ("a", "lambda") for kind, _ in unknowns)
 
     @property
-    def all(self) -> tuple[Matrix, ...]:
-        closed = (self.closed,) if self.closed else ()
-        return self.mass, *closed, self.p_q, self.pdot_q, self.pdot_v
+    def all(self) -> tuple[Sum, ...]:
+        return self.mass, *((self.closed,) if self.closed else ()), self.p_q, self.pdot_q, self.pdot_v
 
 
 def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
     """Returns the Jacobians. Raises Unrolled if they are not banded."""
-    vectors = (e.momenta, e.pdot, e.force)
-    nodes = [node for vector in vectors for node in vector_nodes(vector)]
-    nodes += [part.node for row in e.mass.entries.values() for part in row.parts]
+    nodes = nodes_of(e.momenta, e.pdot, e.force, e.mass)
     totals = _totals(e, slots, nodes)
-    nodes += [node for k in totals for node in total_nodes([e.sums[k]])]
-    derive = Derive(slots, e.fixed)
-    families = [(("v", g.name), g) for g in e.families]
-    scalars = [("v", g.name) for g in e.scalars]
+    nodes += nodes_of(*(e.sums[k] for k in totals))
+    if any(len(x.over) == 4 for of in (e.pdot, e.force, *(e.sums[k] for k in totals)) for x in of):
+        raise Unrolled("a sum over all members makes the derivatives dense")
     # The states whose time derivatives occur in the equations of motion.
     used = {s.name for s in slots.below(*nodes) if s.kind == "a"}
     if e.carried:
+        from .jacobians_recurrences import of_chain
+
         if e.bound or e.solved or used:
             raise Unrolled("carried values stand beside accelerations as unknowns")
-        chain = Chain(e, slots, totals)
-        scalars += [("sum", str(k)) for k in totals]
-        return Slopes(chain.families, tuple(scalars), *chain.matrices(), None)
-    if not (e.bound or e.solved or used or totals):
-        p, pdot = of_vector(e.momenta, "v"), of_vector(e.pdot, "v")
-        found = [derive.matrix(p, BY_PLACE), *map(derive.by(pdot), (BY_PLACE, BY_RATE))]
-        return Slopes(tuple(families), tuple(scalars), _symmetric(e.mass), None, *found, None)
-    answered = bool(e.bound or e.solved or used)  # whether a and lambda are unknowns
-    if answered:
-        families += [(("a", g.name), g) for g in e.families if not g.is_state or g.name in used]
-        families += [(("lambda", x.group.name), x.group) for x in e.bound if not x.is_single]
-        scalars += [("a", g.name) for g in e.scalars if not g.is_state or g.name in used]
-        scalars += [("lambda", x.group.name) for x in e.bound if x.is_single]
-    scalars += [("sum", str(k)) for k in totals]
+        return of_chain(e, slots, totals)
     motion = Motion(e, slots, used)
+    families = [(("v", g.name), g) for g in e.families]
+    scalars = [("v", g.name) for g in e.scalars]
+    answered = bool(e.bound or e.solved or used)  # whether a and lambda are unknowns
+    own: Sum = motion.total_rows(totals)
     pull = motion.pull()
-    own = Stated({}, motion.total_rows(totals))
     if answered:
-        rows = motion.balance(pull) | motion.constraint_rows()
-        own = Stated(rows, motion.balances(pull) | motion.single_rows() | own.totals)
+        families += [(("a", g.name), g) for g in e.families if motion.has_acceleration(g)]
+        families += [(("lambda", x.group.name), x.group) for x in e.bound if not x.is_single]
+        scalars += [("a", g.name) for g in e.scalars if motion.has_acceleration(g)]
+        scalars += [("lambda", x.group.name) for x in e.bound if x.is_single]
+        own = (*motion.balance(pull), *motion.constraint_rows(), *own)
+    scalars += [("sum", str(k)) for k in totals]
+    by = motion.slopes
     if e.solved:
-        mass, p_q = motion.unit(), nothing()
-        pdot = motion.accelerations()
+        mass, p_q, pdot = motion.unit(), (), motion.accelerations()
     else:
-        mass, p_q = _symmetric(e.mass), derive.matrix(of_vector(e.momenta, "v"), BY_PLACE)
-        pdot = motion.with_pull(of_vector(e.pdot, "v"), pull)
-    closed = mass | derive.matrix(own, BY_RATE) | derive.matrix(own, BY_MORE)
-    if totals and not e.solved:
-        closed = closed | derive.matrix(of_vector(e.momenta, "v"), BY_TOTALS)
+        mass, p_q = motion.inertia(), by(rates(e.momenta), BY_PLACE)
+        pdot = (*rates(e.pdot), *rates(pull))
+    closed = None
+    if answered or totals:
+        closed = (*mass, *by(own, BY_RATE), *by(own, BY_MORE))
+        closed += by(rates(e.momenta), BY_TOTALS) if totals and not e.solved else ()
     return Slopes(
         tuple(families),
         tuple(scalars),
         mass,
         closed,
-        p_q | derive.matrix(own, BY_PLACE),
-        derive.matrix(pdot, BY_PLACE),
-        derive.matrix(pdot, BY_RATE) | derive.matrix(pdot, BY_MORE),
-        None
-        if e.solved or not e.bound
-        else {name: x for (_, name), x in (pull.rows | pull.totals).items()},
+        (*p_q, *by(own, BY_PLACE)),
+        by(pdot, BY_PLACE),
+        (*by(pdot, BY_RATE), *by(pdot, BY_MORE)),
+        None if e.solved or not e.bound else pull,
     )
 
 
-def _totals(e: LoopEquations, slots: Slots, nodes: Iterable[Node]) -> list[int]:
-    """Returns the numbers of the sums over members (Total) that occur in the nodes and may vary
-    with time."""
+def rates(of: Iterable[Addend], kind: str = "v") -> Sum:
+    """Returns addends to unknowns of a kind, in place of addends to cells of the same names."""
+    return tuple(
+        Addend(x.over, x.node, tuple(((kind, name), at) for name, at in x.to)) for x in of
+    )
+
+
+def _totals(e: LoopEquations, slots: Slots, nodes: list[Node]) -> list[int]:
+    """Returns the numbers of the sums over members that occur in the nodes and may vary with
+    time."""
     found: set[int] = set()
     while nodes:
         below = {int(slot.name) for slot in slots.below(*nodes) if slot.kind == "sum"}
         new = below - found - e.fixed
         found |= new
-        nodes = total_nodes([e.sums[k] for k in new])
+        nodes = nodes_of(*(e.sums[k] for k in new))
     return sorted(found)
 
 
-def _symmetric(mass: Band) -> Matrix:
-    def of(*names: str) -> tuple[Unknown, ...]:
-        return tuple(("v", name) for name in names)
+class Motion:
+    """Makes the equations in which the accelerations a and the multipliers lambda are unknowns.
+    `used` has the states whose time derivatives are unknowns."""
 
-    return Matrix(
-        {(*of(own, other), shift): row for (own, other, shift), row in mass.entries.items()},
-        {of(family, scalar): row for (scalar, family), row in mass.border.items()},
-        {of(*key): row for key, row in mass.border.items()},
-        {of(*key): total for key, total in mass.corner.items()},
-    )
+    def __init__(self, e: LoopEquations, slots: Slots, used: set[str]):
+        self.e, self.slots, self.g, self.used = e, slots, slots.graph, used
+        self.names = frozenset(g.name for g in e.carried_groups)
+
+    def has_acceleration(self, group: Group) -> bool:
+        return not group.is_state or group.name in self.used
+
+    def times(self, x: Addend, factor: Node, *to: Cell) -> Addend:
+        return Addend(x.over, self.g.multiply(x.node, factor), to)
+
+    def minus(self, of: Iterable[Addend]) -> Sum:
+        return tuple(Addend(x.over, self.g.negate(x.node), x.to) for x in of)
+
+    def a(self, cell: Cell) -> Node:
+        return self.slots.node("a", *cell)
+
+    # -- equations ----------------------------------------------------------------------------
+
+    def pull(self) -> Sum:
+        """Returns the constraint forces J^T lambda."""
+        return tuple(
+            self.times(x, self.slots.node("lambda", *x.to[0]), x.to[1])
+            for bound in self.e.bound
+            for x in bound.jacobian
+        )
+
+    def balance(self, pull: Sum) -> Sum:
+        """Returns the rows M a - f - J^T lambda."""
+        rows = [self.times(x, self.a(x.to[1]), x.to[0]) for x in self.e.mass]
+        rows += self.minus((*self.e.force, *pull))
+        states = {g.name for g in self.e.states} - self.used
+        return rates((x for x in rows if x.to[0][0] not in states), "a")
+
+    def constraint_rows(self) -> Sum:
+        rows = [x for bound in self.e.bound for x in (*bound.coasting, *self._moved(bound))]
+        return rates(rows, "lambda")
+
+    def _moved(self, bound: Bound) -> Iterator[Addend]:
+        return (self.times(x, self.a(x.to[1]), x.to[0]) for x in bound.jacobian)
+
+    def total_rows(self, totals: Iterable[int]) -> Sum:
+        """Returns for each sum S over members the equation S - (sum over members) = 0, where S is
+        an unknown."""
+        found: list[Addend] = []
+        for k in totals:
+            to = ((("sum", str(k)), None),)
+            found.append(Addend((), self.slots.node("sum", str(k)), to))
+            found += (Addend(x.over, self.g.negate(x.node), to) for x in self.e.sums[k])
+        return tuple(found)
+
+    def accelerations(self) -> Sum:
+        """Returns p' for equations in solved form: there p = v, and p' = a."""
+        states = {g.name for g in self.e.states}
+        found = [x for x in self.e.force if x.to[0][0] in states]
+        for g in (g for g in self.e.coordinates if not g.is_state):
+            over, at = all_of(g)
+            found.append(Addend(over, self.a((g.name, at)), ((g.name, at),)))
+        return rates(found)
+
+    def unit(self) -> Sum:
+        found = (((("v", g.name), at), over) for g in self.e.coordinates for over, at in [all_of(g)])
+        return tuple(Addend(over, ONE, (cell, cell)) for cell, over in found)
+
+    def inertia(self) -> Sum:
+        return rates(self.e.mass)
+
+    # -- derivatives --------------------------------------------------------------------------
+
+    def slopes(self, of: Sum, kinds: tuple[str, ...]) -> Sum:
+        """Returns the derivatives of the quantities `of` by the unknowns with symbols of these
+        kinds. Raises Unrolled if they are not banded."""
+        return merged((new for x in of for new in self._by(x, kinds)), self.g)
+
+    def _by(self, x: Addend, kinds: tuple[str, ...]) -> Iterator[Addend]:
+        for symbol, slope in gradient(self.g, x.node, _MASKS[kinds]).items():
+            slot = self.slots.of(symbol)
+            if slope == ZERO or slot is None:
+                continue
+            if slot.kind == "sum" and int(slot.name) in self.e.fixed:
+                continue
+            own = slot.name in self.names
+            if kinds == BY_MORE if own else slot.kind in kinds:
+                unknown = (_OF_CARRIED if own else _OF)[slot.kind], slot.name
+                at = x.to[0][1]
+                if None not in (at, slot.at) and not (slot.at - at).is_constant:
+                    raise Unrolled("two members far apart feel each other")
+                yield Addend(x.over, slope, (x.to[0], (unknown, slot.at)))

@@ -10,7 +10,7 @@ from ...graph.graph import Graph, Node
 from ...model import Definition, Model
 from ...record import record
 from ..quantities import input_quantities
-from .indexed_ir import Band, Bound, Carried, Group, Part, Slot, Total, Vector
+from .indexed_ir import Bound, Carried, Group, Over, Slot, Sum, is_diagonal
 
 
 @record
@@ -61,7 +61,7 @@ class Along:
 
     name: str
     group: Group
-    parts: tuple[Part, ...]  # expressions for disjoint index ranges, in order
+    parts: Sum  # expressions for disjoint index ranges, in order
 
 
 @record
@@ -84,13 +84,14 @@ class Bounded:
 
 @record
 class LoopSingularity:
-    """An expression at whose zeros the equations are singular, with a value for each member or for
-    each pair of members: the terms of the sums in `terms`. `name` is the expression with the index
-    i, or with i and j for a pair; `use` is as in Singularity."""
+    """An expression at whose zeros the equations are singular, with a value for each index in
+    `over`. `name` is the expression with the index i, or with i and j for a pair; `use` is as in
+    Singularity."""
 
     name: str
     use: str
-    terms: Total
+    over: Over
+    node: Node
 
 
 @record
@@ -101,7 +102,6 @@ class LoopSwitch:
 
     name: str  # The expression as text, with the index i.
     node: Node
-    inner: Node  # The expression for members far from the ends (the interior).
     ranges: tuple[tuple[Affine, ...], ...]
     held: bool
 
@@ -117,18 +117,19 @@ class LoopEquations:
     # The number of time derivatives of each input.
     orders: tuple[int, ...]
 
-    gradient: Vector
-    momenta: Vector
-    pdot: Vector
-    force: Vector
-    mass: Band
-    kinetic: Total | None
-    potential: Total | None
+    # Added to cells: vectors, and the entries of the mass matrix M.
+    gradient: Sum
+    momenta: Sum
+    pdot: Sum
+    force: Sum
+    mass: Sum
+    kinetic: Sum | None
+    potential: Sum | None
     # The Lagrangian and the energy are None if the model has states only.
-    lagrangian: Total | None
-    energy: Total | None
+    lagrangian: Sum | None
+    energy: Sum | None
     # Sums over members inside expressions, in the order in which they can be computed.
-    sums: tuple[Total, ...]
+    sums: tuple[Sum, ...]
     # The indices of the elements of `sums` that depend on parameters and sizes only.
     fixed: frozenset[int]
     outputs: tuple[Observed, ...]
@@ -171,6 +172,15 @@ class LoopEquations:
     @property
     def carried_groups(self) -> tuple[Group, ...]:
         return tuple(x.group for x in self.carried)
+
+    @property
+    def mass_diagonal(self) -> bool:
+        return is_diagonal(self.mass)
+
+    @property
+    def has_pairs(self) -> bool:
+        """Whether the forces have sums over pairs of members."""
+        return any(len(x.over) == 4 for x in self.force)
 
     @property
     def families(self) -> tuple[Group, ...]:

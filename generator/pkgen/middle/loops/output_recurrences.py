@@ -11,18 +11,19 @@ from ...graph.affine import ROW, Affine
 from ...graph.graph import ZERO, Node
 from ..expand.names import Value
 from .expand import LoopExpander
-from .indexed_ir import Group, Part, Slot, Unrolled
+from .indexed_ir import Addend, Group, Slot, Sum, Unrolled, nodes_of
 from .loops import Along
-from .rows import Gather
+from .rows import Assembler
+from .slots import M
 
 
 class Alongside:
     """Collects the `let` definitions that only outputs use, while these are converted to nodes."""
 
-    def __init__(self, x: LoopExpander, gather: Gather):
-        self.x, self.gather = x, gather
+    def __init__(self, x: LoopExpander, assembler: Assembler):
+        self.x, self.assembler = x, assembler
         # The expressions by name. The name of a time derivative ends with '.
-        self.parts: dict[str, tuple[Part, ...]] = {}
+        self.parts: dict[str, Sum] = {}
         self.groups: dict[str, Group] = {}
         self._components: dict[str, tuple[str, ...]] = {}
 
@@ -40,7 +41,7 @@ class Alongside:
         if key not in self.groups:
             self.groups[key] = self.groups[slot.name]
             by = self.x.derivative
-            parts = (Part(p.lo, p.hi, by(p.node)) for p in self.parts[slot.name])
+            parts = (Addend(p.over, by(p.node), ((key, M),)) for p in self.parts[slot.name])
             self.parts[key] = tuple(part for part in parts if part.node != ZERO)
         return self.x.slots.node("let", key, slot.at)
 
@@ -48,17 +49,17 @@ class Alongside:
         x = self.x
         self._components[name], groups = x.groups_of(name)
         self.groups |= {g.name: g for g in groups}
-        found: list[list[Part]] = [[] for _ in groups]
+        found: list[list[Addend]] = [[] for _ in groups]
         met, x.members = x.members, []
         for lo, hi, item in x.pieces(name):
             value = x.value(item.value, x.loop_of(item))
             nodes = value if isinstance(value, tuple) else (value,)
-            self.gather.found.limits += x.limits_over(lo, hi)
-            for node, parts in zip(nodes, found, strict=True):
+            self.assembler.limits += x.limits_over(lo, hi)
+            for group, node, parts in zip(groups, nodes, found, strict=True):
                 for slot in x.slots.below(node):
                     if slot.at is not None and slot.at.factor(ROW):
-                        self.gather.bodies.member(slot, lo, hi)
-                parts.append(Part(lo, hi, node))
+                        self.assembler.member(slot, lo, hi)
+                parts.append(Addend((lo, hi), node, ((group.name, M),)))
         x.members = met
         for group, parts in zip(groups, found, strict=True):
             self.parts[group.name] = tuple(parts)
@@ -82,7 +83,7 @@ class Alongside:
     def _direct(self, key: str, own: bool = False) -> set[str]:
         """Returns the names of the definitions that occur in the definition with the name `key`.
         With `own`, definitions that occur only with other indices than m are left out."""
-        slots = self.x.slots.below(*(part.node for part in self.parts[key]))
+        slots = self.x.slots.below(*nodes_of(self.parts[key]))
         lets = [slot for slot in slots if slot.kind == "let"]
         return {s.name for s in lets if not own or s.at == Affine(0, ((ROW, 1),))}
 

@@ -27,7 +27,7 @@ from ..analyze import analyze
 from ..analyze.proofs import OPEN, PROVED, REFUTED
 from ..derive import derive
 from ..quantities import families
-from .facts import total_nodes, vector_nodes
+from .indexed_ir import nodes_of
 from .loops import LoopEquations
 from .slots import Slots
 
@@ -129,30 +129,25 @@ def _alike(e: LoopEquations) -> tuple[str, int]:
     """Returns the reason why small sizes prove nothing about larger ones, or "", and the largest
     difference of indices of coupled members."""
     g, slots = e.graph, Slots(e.graph, e.slots)
-    totals = [x for x in (e.lagrangian, *e.force.totals.values()) if x is not None]
-    rows = [*e.force.rows.values()]
-    motion = [*total_nodes(totals), *vector_nodes(e.force)]
-    if e.carried or e.bound or e.along or e.wraps or e.scalars or not e.mass.is_diagonal:
+    motion = nodes_of(e.lagrangian, e.force)
+    if e.carried or e.bound or e.along or e.wraps or e.scalars or not e.mass_diagonal:
         return "members are coupled by more than the terms near them", 0
-    if (
-        e.force.pairs
-        or any(x.pairs for x in (*totals, *e.sums))
-        or any(slot.kind == "sum" for node in motion for slot in slots.below(node))
+    if any(len(x.over) == 4 for of in (e.lagrangian, e.force, *e.sums) for x in of) or any(
+        slot.kind == "sum" for node in motion for slot in slots.below(node)
     ):
         return "there are sums over all members in its equations", 0
     for node in e.conserved:
         slopes = gradient(g, node, BIT[Kind.INPUT])
         if any(g.depends[x] & (VARIABLE | BIT[Kind.INPUT]) for x in slopes.values()):
             return "it is no sum of terms", 0
-    inside = [*total_nodes(e.sums), *motion, *e.conserved]
+    inside = [*nodes_of(*e.sums), *motion, *e.conserved]
     inside += [node for values in e.given.values() for node in values]
     found = [slot for node in inside for slot in slots.below(node)]
     if any(slot.kind in ("index", "size") for slot in found):
         return "its terms have an index or a size in them", 0
     places = [slot.at for slot in found if slot.at is not None]
-    places += [
-        x for row in (*rows, *totals, *e.sums) for part in row.parts for x in (part.lo, part.hi)
-    ]
+    places += [at for of in (e.lagrangian, e.force, *e.sums) for x in of for at in x.over]
+    places += [at for x in e.force for _, at in x.to if at is not None]
     if any(len(at.terms) > 1 or any(abs(k) != 1 for _, k in at.terms) for at in places):
         return "its members stand at sums of indices", 0
     return "", max((abs(at.constant) for at in places), default=0)

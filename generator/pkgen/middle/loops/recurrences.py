@@ -15,17 +15,17 @@ from ...graph.differentiate import gradient
 from ...graph.graph import BIT, ZERO, Kind, Node
 from ..derive.impulses import arguments_of
 from .expand import LoopExpander
-from .indexed_ir import CELLS, Band, Carried, Piece, Slot, Unrolled
+from .indexed_ir import CELLS, Carried, Piece, Slot, Sum, Unrolled
 from .loops import Limit
-from .pair_sums import ATTITUDES, STATE, M
-from .rows import Gather
+from .rows import ATTITUDES, STATE, Assembler
+from .slots import M
 
 # M a = f is solved by elimination index by index. One step has as unknowns all scalar coordinates,
 # and several neighbouring members of each family. This is the largest number of unknowns in a step.
 FRONT = 24
 
 
-def carried_of(x: LoopExpander, gather: Gather) -> tuple[Carried, ...]:
+def carried_of(x: LoopExpander, assembler: Assembler) -> tuple[Carried, ...]:
     """Returns the recurrences that occur in the expressions converted so far, and further ones on
     which these depend, sorted by level."""
     pieces: dict[str, tuple[Piece, ...]] = {}
@@ -33,19 +33,19 @@ def carried_of(x: LoopExpander, gather: Gather) -> tuple[Carried, ...]:
     while len(seen) < len(x.carried):
         for name in [n for n in x.carried if n not in seen]:
             seen.add(name)
-            values = _values(x, gather, name)
+            values = _values(x, assembler, name)
             for k, group in enumerate(x.carried[name]):
-                found = [_piece(x, gather, lo, hi, value[k]) for lo, hi, value in values]
+                found = [_piece(x, assembler, lo, hi, value[k]) for lo, hi, value in values]
                 pieces[group.name] = tuple(found)
     levels = _levels(pieces)
     for _ in pieces:  # repeated, because a recurrence varies with time if one that it uses does
-        gather.moving |= {n for n, own in pieces.items() if any(_moves(x, gather, p) for p in own)}
+        assembler.moving |= {n for n, own in pieces.items() if any(_moves(x, assembler, p) for p in own)}
     groups = x.coordinates
     found = [Carried(groups[name], pieces[name], levels[name]) for name in pieces]
     return tuple(sorted(found, key=lambda item: item.level))
 
 
-def _values(x: LoopExpander, gather: Gather, name: str) -> list[tuple]:
+def _values(x: LoopExpander, assembler: Assembler, name: str) -> list[tuple]:
     """Returns (lo, hi, components) for each statement that defines a name, where the components are
     expressions for member m."""
     found = []
@@ -54,18 +54,18 @@ def _values(x: LoopExpander, gather: Gather, name: str) -> list[tuple]:
         value = x.value(item.value, x.loop_of(item))
         nodes = value if isinstance(value, tuple) else (value,)
         if item.range is None:
-            nodes = tuple(gather.seen_from(node, lo) for node in nodes)
-        gather.found.limits += x.limits_over(lo, hi)
+            nodes = tuple(assembler.seen_from(node, lo) for node in nodes)
+        assembler.limits += x.limits_over(lo, hi)
         found.append((lo, hi, nodes))
     return found
 
 
-def _piece(x: LoopExpander, gather: Gather, lo, hi, value: Node) -> Piece:
+def _piece(x: LoopExpander, assembler: Assembler, lo, hi, value: Node) -> Piece:
     g, name = x.graph, x.slots.node
     for slot in x.slots.below(value):
-        _allowed(x, gather, slot, lo, hi)
+        _allowed(x, assembler, slot, lo, hi)
     rate = x.derivative(value)
-    coasting = gather.coast(rate)
+    coasting = assembler.coast(rate)
     if arguments_of(g, [value, rate, coasting]):
         raise Unrolled("what a carried value is made of bends or jumps")
     slopes = gradient(g, value, STATE | ATTITUDES)
@@ -87,7 +87,7 @@ def _piece(x: LoopExpander, gather: Gather, lo, hi, value: Node) -> Piece:
     )
 
 
-def _allowed(x: LoopExpander, gather: Gather, slot: Slot, lo, hi) -> None:
+def _allowed(x: LoopExpander, assembler: Assembler, slot: Slot, lo, hi) -> None:
     """Raises Unrolled if a symbol is not allowed in a recurrence X[m] = Phi. Coordinates with an
     index up to m are allowed, also those beyond a fixed end; rates and later members are not."""
     if slot.kind in ("v", "a") or (slot.kind == "s" and slot.name not in x.rotations.numbers):
@@ -109,9 +109,9 @@ def _allowed(x: LoopExpander, gather: Gather, slot: Slot, lo, hi) -> None:
                 f"a `let` of its own lower members reaches {reached} beyond an end of "
                 f"'{slot.name}' that is free or periodic"
             )
-        gather.found.limits += [Limit(low, hi - lo), Limit(high, hi - lo)]
+        assembler.limits += [Limit(low, hi - lo), Limit(high, hi - lo)]
     else:
-        gather.bodies.in_reach(slot, lo, hi)
+        assembler.in_reach(slot, lo, hi)
 
 
 def _levels(pieces: dict[str, tuple[Piece, ...]]) -> dict[str, int]:
@@ -127,15 +127,15 @@ def _levels(pieces: dict[str, tuple[Piece, ...]]) -> dict[str, int]:
     return levels
 
 
-def _moves(x: LoopExpander, gather: Gather, piece: Piece) -> bool:
+def _moves(x: LoopExpander, assembler: Assembler, piece: Piece) -> bool:
     """Returns whether the value of a recurrence may vary with time while all coordinates are
     constant."""
     depends = x.graph.depends[piece.value] & BIT[Kind.TIME]
     inputs = any(slot.kind == "input" for slot in x.slots.below(piece.value))
-    return bool(depends) or inputs or any(z.name in gather.moving for z in piece.by)
+    return bool(depends) or inputs or any(z.name in assembler.moving for z in piece.by)
 
 
-def by_places(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) -> bool:
+def by_places(x: LoopExpander, mass: Sum, carried: tuple[Carried, ...]) -> bool:
     """Returns whether M a = f can be solved by elimination index by index, with at most FRONT
     unknowns in each step. If not, the accelerations of the recurrences' values are additional
     unknowns."""
@@ -147,9 +147,12 @@ def by_places(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) -> bool
         for name, group in groups.items()
         if group.periodic or any(end.kind == "free" for _, end in group.ends)
     }
-    if any({a, b} & mapped for a, b, shift in mass.entries if a != b or shift):
+    coupled = [(row, column) for row, column in (x.to for x in mass) if row != column]
+    if any({a, b} & mapped for (a, _), (b, _) in coupled):
         return False
-    back = [shift for _, _, shift in mass.entries]
+    back = [0]
+    for (_, at), (_, other) in coupled:
+        back.append(0 if None in (at, other) else (other - at).constant)
     back += [(z.at - M).constant for c in carried for p in c.pieces for z in p.by if z.at]
     families = [group for group in groups.values() if group.is_family]
     return max(1, -min(back)) * len(families) + len(groups) - len(families) <= FRONT

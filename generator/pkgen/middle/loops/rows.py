@@ -1,38 +1,45 @@
-"""Makes the equations of motion (rows) from the terms of L, D and the forces, by differentiating
-the body (summand) of each term by each member in it."""
+"""Makes the equations of motion from the terms of L, D and the forces: each body (summand) is
+differentiated by all the cells in it at once."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections import defaultdict
+from collections.abc import Iterable
 
-from ...graph.affine import LOOPS, Affine
+from ...graph.affine import LOOPS, OTHER, ROW, Affine, extremes
 from ...graph.differentiate import Forward, gradient
 from ...graph.graph import BIT, ONE, VARIABLE, ZERO, Kind, Node
 from ...model import Rotation
 from ..motion import degree
-from .bodies import Bodies, Gathered
 from .expand import LoopExpander
-from .indexed_ir import Group, PairPart, Part, Slot, Total, Unrolled
-from .pair_sums import ATTITUDES, RATES, STATE, M, pair_force, pair_ranges, pair_row, scaled, signed
+from .indexed_ir import CELLS, REACHED, Addend, Cell, Group, Over, Slot, Sum, Unrolled, merged
+from .loops import Limit
+from .slots import J, M
 from .terms import Term
 from .totals import Totals
 
+STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
+RATES = BIT[Kind.RATE]
+ATTITUDES = BIT[Kind.STATE]
 APPLIED = ("pdot", "force")  # the quantities to which a generalized force is added
+Signed = tuple[Term, int]  # A term and its sign, 1 or -1.
 
 
-class Gather:
-    """Adds the contributions of terms to the equations of motion in `found`, term by term."""
+class Assembler:
+    """Adds the contributions of terms to the equations of motion in `found`."""
 
     def __init__(self, x: LoopExpander):
         self.x = x
         self.g = x.graph
-        self.found = Gathered()
-        self.bodies = Bodies(x, self.found)
+        self.found: dict[str, list[Addend]] = defaultdict(list)
+        # Conditions on the model's sizes, such as N in q[1..N].
+        self.limits: list[Limit] = []
+        # For each periodic family, the largest distance of an index beyond its ends.
+        self.wraps: dict[str, int] = {}
         self.totals = x.totals = Totals(x, self)
-        # The derivatives of L by the sums over members in it. The keys are the numbers of the sums.
-        self.felt: dict[int, Total] = {}
-        # The derivatives of -D by the sums over members in it.
-        self.drag: dict[int, Total] = {}
+        # The derivatives of L, and of -D, by the sums over members in them, by number of the sum.
+        self.felt: dict[int, list[Addend]] = {}
+        self.drag: dict[int, list[Addend]] = {}
         self.moving = {
             name
             for name, group in x.coordinates.items()
@@ -42,61 +49,131 @@ class Gather:
         self.coast = Forward(x.graph, VARIABLE, self._coasting)
         self.applied = False  # whether there are generalized forces besides those from L
 
+    def quantity(self, name: str) -> Sum:
+        return merged(self.found[name], self.g)
+
+    # -- bodies -------------------------------------------------------------------------------
+
+    def bodies(self, found: Iterable[Signed]) -> Sum:
+        """Returns the bodies of terms. Those with the same range are added up."""
+        return merged([self._body(term, sign) for term, sign in found], self.g)
+
+    def _body(self, term: Term, sign: int = 1) -> Addend:
+        """Returns the body of a term at i = m, or i = m and j. Records the conditions on sizes
+        under which its members exist."""
+        over = over_of(term)
+        self.x.members.clear()
+        node = term.at(self.x, *(M, J)[: len(term.ranges)])
+        if over:
+            node = self.totals.throughout(node)
+        self.reach(over, node)
+        return Addend(over, node if sign > 0 else self.g.negate(node))
+
+    def reach(self, over: Over, node: Node) -> None:
+        """Records the conditions on sizes under which all members in a body exist. Raises Unrolled
+        if their indices are not m, or m and j, plus constants."""
+        slots = self.x.slots.below(node)
+        if len(over) == 4:
+            self._pairs_in_reach(over, slots)
+            return
+        self.limits += self.x.limits_over(*over or (None, None))
+        for slot in slots if over else ():
+            self.member(slot, *over)
+
+    def member(self, slot: Slot, lo: Affine, hi: Affine) -> None:
+        """Raises Unrolled if a member's index is not m plus a constant. Records the conditions on
+        sizes under which the member exists for m = lo..hi."""
+        if slot.kind in REACHED and slot.at is not None:
+            if slot.at.factor(ROW) != 1 or not (slot.at - M).is_constant:
+                reached = f"{slot.name}[{slot.at.text({ROW: 'i'})}]"
+                raise Unrolled(f"a sum reaches {reached} from its index i")
+            self.in_reach(slot, lo, hi)
+
+    def in_reach(self, slot: Slot, lo: Affine | None, hi: Affine | None) -> None:
+        """Records the conditions on the sizes of the model under which a member exists for all m =
+        lo..hi, where the value of a member beyond a fixed end is given. For a periodic family,
+        records instead how far the index goes beyond the ends."""
+        if slot.kind not in REACHED or slot.at is None or lo is None:
+            return
+        group = self.x.coordinates[slot.name]
+        first, last = extremes(slot.at, {ROW: (lo, hi)})
+        below, above = first - group.lo, group.hi - last
+        if group.periodic:
+            for beyond in (-below, -above):
+                if beyond.is_constant:
+                    for name in (slot.name, *self.x.rotations.moved(slot)):
+                        self.wraps[name] = max(self.wraps.get(name, 0), beyond.constant)
+                else:
+                    self.limits.append(Limit(-beyond, hi - lo))
+            return
+        self.limits.append(Limit(below + _given(group, -1), hi - lo))
+        self.limits.append(Limit(above + _given(group, 1), hi - lo))
+
+    def _pairs_in_reach(self, over: Over, slots: list[Slot]) -> None:
+        lo, hi, first, last = over
+        # The least and greatest values of indices are valid only if both ranges are not empty.
+        self.limits += self.x.limits_of(hi - lo, {OTHER: (first, last), ROW: (lo, hi)})
+        for slot in slots:
+            if slot.kind not in REACHED or slot.at is None:
+                continue
+            if slot.at not in (M, J):
+                raise Unrolled("a pair sum reaches beside its own members")
+            group = self.x.coordinates[slot.name]
+            low, high = (lo, hi) if slot.at == M else (first, last)
+            for needs in (low - group.lo, group.hi - high):
+                self.limits.append(Limit(extremes(needs, {ROW: (lo, hi)})[0], hi - lo))
+
+    def cells(self, node: Node) -> list[Cell]:
+        """Returns the coordinates on which a node depends. A quaternion counts as the three
+        coordinates of its rotation."""
+        slots = [slot for slot in self.x.slots.below(node) if slot.kind in CELLS]
+        moved = [(name, slot.at) for slot in slots for name in self.x.rotations.moved(slot)]
+        return list(dict.fromkeys(moved))
+
+    def add(self, names: Iterable[str], over: Over, node: Node, *to: Cell) -> None:
+        if node != ZERO:
+            for name in names:
+                self.found[name].append(Addend(over, node, to))
+
     # -- terms --------------------------------------------------------------------------------
 
-    def lagrangian(self, term: Term, sign: int) -> None:
-        """Adds the contributions of sign * term, a term of L."""
-        body = signed(self.g, self.totals.body(term), sign)
-        self.totals.check_rates(body)
-        self.totals.felt(self.felt, term, body)
-        if len(term.ranges) == 2:
-            self.found.pairs.append(pair_force(self.x, term, body, False))
-            return
-        for family, shift, body in self.bodies.views(term):
-            momentum = self._enter_motion(family, shift, body, term, sign)
-            self._mass(term, family, shift, momentum)
-        body = self.bodies.at_row(term)
-        for name in self.bodies.scalars(body):
-            momentum = self._enter_motion(name, None, body, term, sign)
-            tangents = gradient(self.g, momentum, RATES)
-            for other in self.bodies.scalars(body):
-                node = self._by(tangents, "v", other, None)
-                if node != ZERO:
-                    total = self.found.corner[name, other]
-                    self.found.corner[name, other] = self.with_(total, term, node)
+    def lagrangian(self, bodies: Sum) -> None:
+        """Adds the contributions of L."""
+        for body in bodies:
+            self.totals.check_rates(body.node)
+            self.totals.felt(self.felt, body)
+            if len(body.over) == 4 and self.g.depends[body.node] & RATES:
+                raise Unrolled("a pair sum has rates in it: M would be dense")
+            self._motion(body.over, body.node)
 
-    def _enter_motion(
-        self, name: str, shift: Affine | None, body: Node, term: Term, sign: int
-    ) -> Node:
-        """Adds the contributions of a term of L with this body to the equations of one family, or
-        of a scalar coordinate if `shift` is None. Returns the contribution to the momentum of the
-        family or coordinate."""
-        at = M if term.ranges and shift is not None else shift
-        by = gradient(self.g, signed(self.g, body, sign), STATE | ATTITUDES)
-        slope, momentum = self.x.rotations.slope(by, name, at, True), self._by(by, "v", name, at)
-        force = self.g.subtract(slope, self.coast(momentum))
-        self._enter(("gradient", "pdot"), name, term, shift, slope)
-        self._enter(("momenta",), name, term, shift, momentum)
-        self._enter(("force",), name, term, shift, force)
-        return momentum
+    def _motion(self, over: Over, body: Node) -> None:
+        by = gradient(self.g, body, STATE | ATTITUDES)
+        for cell in self.cells(body):
+            momentum = by.get(self.x.slots.node("v", *cell), ZERO)
+            slope = self.x.rotations.slope(by, *cell, True)
+            self.add(("gradient", "pdot"), over, slope, cell)
+            self.add(("momenta",), over, momentum, cell)
+            self.add(("force",), over, self.g.subtract(slope, self.coast(momentum)), cell)
+            for symbol, node in gradient(self.g, momentum, RATES).items():
+                slot = self.x.slots.of(symbol)
+                self._inertia(over, node, cell, (slot.name, slot.at))
 
-    def dissipation(self, term: Term) -> None:
-        """Adds the force -dD/dv of a term of D."""
-        body = signed(self.g, self.totals.body(term), -1)
-        self.totals.felt(self.drag, term, body)
-        if len(term.ranges) == 2:
-            self.applied = True
-            self.found.drags.append(pair_force(self.x, term, body, True))
+    def _inertia(self, over: Over, node: Node, row: Cell, column: Cell) -> None:
+        if node == ZERO:
             return
-        for family, shift, body in self.bodies.views(term):
-            at = M if term.ranges else shift
-            node = self._by(gradient(self.g, signed(self.g, body, -1), RATES), "v", family, at)
-            self._enter(APPLIED, family, term, shift, node)
-        body = self.bodies.at_row(term)
-        self.applied |= body != ZERO
-        by = gradient(self.g, signed(self.g, body, -1), RATES)
-        for name in self.bodies.scalars(body):
-            self._enter(APPLIED, name, term, None, self._by(by, "v", name, None))
+        if None not in (row[1], column[1]) and not (row[1] - column[1]).is_constant:
+            raise Unrolled("the inertia of two members far apart is coupled")
+        self.add(("mass",), over, node, row, column)
+
+    def dissipation(self, bodies: Sum) -> None:
+        """Adds the force -dD/dv."""
+        for body in bodies:
+            self.totals.felt(self.drag, Addend(body.over, self.g.negate(body.node)))
+            self.applied |= body.node != ZERO
+            by = gradient(self.g, self.g.negate(body.node), RATES)
+            for cell in self.cells(body.node):
+                node = by.get(self.x.slots.node("v", *cell), ZERO)
+                self.add(APPLIED, body.over, node, cell)
 
     def felt_through(self) -> None:
         """Adds the forces due to sums over members (totals) inside functions in L and D, by the
@@ -104,153 +181,78 @@ class Gather:
         self.totals.over(self.felt, False)
         self.totals.over(self.drag, True)
 
-    def of_total(self, term: Term, factor: Node, drag: bool) -> None:
-        """Adds the force due to one term of a sum S over members (total). `factor` is the
+    def of_total(self, body: Addend, factor: Node, drag: bool) -> None:
+        """Adds the forces due to one body of a sum S over members (total). `factor` is the
         derivative dL/dS; with `drag`, it is -dD/dS."""
-        x, g = self.x, self.g
-        if len(term.ranges) == 2:
-            force = scaled(g, factor, pair_force(x, term, self.totals.body(term), drag))
-            (self.found.drags if drag else self.found.pairs).append(force)
-            return
-        whats = APPLIED if drag else ("gradient", *APPLIED)
-
-        def slope(body: Node, name: str, at: Affine | None) -> Node:
-            by = gradient(g, body, RATES if drag else STATE | ATTITUDES)
-            found = self._by(by, "v", name, at) if drag else x.rotations.slope(by, name, at, False)
-            return g.multiply(factor, found)
-
-        for family, shift, body in self.bodies.views(term):
-            at = M if term.ranges else shift
-            self._enter(whats, family, term, shift, slope(body, family, at))
-        body = self.bodies.at_row(term)
-        for name in self.bodies.scalars(body):
-            self._enter(whats, name, term, None, slope(body, name, None))
+        by = gradient(self.g, body.node, RATES if drag else STATE | ATTITUDES)
+        for cell in self.cells(body.node):
+            if drag:
+                slope = by.get(self.x.slots.node("v", *cell), ZERO)
+            else:
+                slope = self.x.rotations.slope(by, *cell, False)
+            names = APPLIED if drag else ("gradient", *APPLIED)
+            self.add(names, body.over, self.g.multiply(factor, slope), cell)
 
     def applied_term(self, group: Group, lo: Affine | None, hi: Affine | None, term: Term) -> None:
         """Adds a term of a generalized force on members lo..hi, or of the time derivative of states
         lo..hi."""
-        x, found, name = self.x, self.found, group.name
-        if term.ranges and lo is not None:
+        x, cell = self.x, (group.name, None if lo is None else M)
+        if lo is None or not term.ranges:
+            if term.ranges:
+                body = self._body(term)
+                over, node = body.over, body.node
+            else:
+                over, node = () if lo is None else (lo, hi), term.at(x)
+                self.limits += x.limits_over(lo, hi)
+                for slot in x.slots.below(node):
+                    self.in_reach(slot, lo, hi)
+        else:
             if len(term.ranges) == 2:
                 raise Unrolled("a sum over two indices stands in what each member is given")
-            found.drags.append(pair_row(x, name, lo, hi, term, found.limits))
-            self.applied |= not group.is_state
-            return
-        if term.ranges:
-            node = self.bodies.at_row(term)
-            for what in APPLIED:
-                found.totals[what, name] = self.with_(found.totals[what, name], term, node)
-        else:
-            node = term.at(x)
-            found.limits += x.limits_over(lo, hi)
-            self._add_over(APPLIED, name, lo, hi, node)
+            over = (lo, hi, *term.ranges[0][1:])
+            x.members.clear()
+            node = self.totals.throughout(term.at(x, J))
+            self.reach(over, node)
+        self.add(APPLIED, over, node, cell)
         self.applied |= node != ZERO and not group.is_state
-
-    def _add_over(
-        self, whats: tuple[str, ...], name: str, lo: Affine | None, hi: Affine | None, node: Node
-    ) -> None:
-        """Adds a node to the quantities named `whats` of the members lo..hi of a family, or of a
-        scalar coordinate if `lo` is None."""
-        for slot in self.x.slots.below(node):
-            self.bodies.in_reach(slot, lo, hi)
-        for what in whats:
-            if lo is None:
-                total = self.found.totals[what, name]
-                constant = self.g.add(total.constant, node)
-                self.found.totals[what, name] = replace(total, constant=constant)
-            else:
-                self.append(self.found.rows[what, name], Part(lo, hi, node))
 
     def attitude(self, rotation: Rotation) -> None:
         """Adds the time derivatives of the components of a rotation's quaternion, which are
         states."""
-        own = self.x.coordinates[rotation.quaternion[0]]
-        at = M if own.is_family else None
+        over, at = all_of(self.x.coordinates[rotation.quaternion[0]])
         rates = self.x.rotations.moving(rotation, at)
         for name, rate in zip(rotation.quaternion, rates, strict=True):
-            self._add_over(APPLIED, name, own.lo, own.hi, rate)
+            self.add(APPLIED, over, rate, (name, at))
 
     def state(self, group: Group) -> None:
         """Adds the momentum and the inertia of a state, which in C is a rate with inertia 1."""
-        at = M if group.is_family else None
-        own = self.x.slots.node("s", group.name, at)
-        self._add_over(("momenta",), group.name, group.lo, group.hi, own)
-        if group.is_family:
-            self.found.entries[group.name, group.name, 0].append(Part(group.lo, group.hi, ONE, ONE))
-        else:
-            self.found.corner[group.name, group.name] = Total(ONE)
+        over, at = all_of(group)
+        cell = group.name, at
+        self.add(("momenta",), over, self.x.slots.node("s", *cell), cell)
+        self.add(("mass",), over, ONE, cell, cell)
 
-    def energy(self, found: list[tuple[Term, int]]) -> Total:
-        """Returns the energy h = v.p - L. `found` has the terms of L, each with its sign 1 or
-        -1."""
-        result = Total()
-        for term, sign in found:
-            if len(term.ranges) == 2:
-                body = signed(self.g, self.totals.body(term), -sign)
-                result = self.with_(result, term, body)
-            else:
-                result = self.with_(result, term, *self._energy_of(term, sign))
-        return result
+    def energy(self, bodies: Sum) -> Sum:
+        """Returns the energy h = v.p - L, for the bodies of L."""
+        return merged([Addend(x.over, self._energy_of(x)) for x in bodies], self.g)
 
-    def _energy_of(self, term: Term, sign: int) -> tuple[Node, Node]:
-        """Returns the contribution of a term of L to h, in two forms: for members near the ends,
-        and for the interior."""
-        body = signed(self.g, self.bodies.at_row(term), sign)
-        if self.g.depends[body] & RATES == 0:
-            node = self.g.negate(body)
-            return node, node
-        by = gradient(self.g, body, RATES)
-        work = self.g.negate(body)
-        moving = carried = False
+    def _energy_of(self, body: Addend) -> Node:
+        """Returns the contribution of a body of L to h. The rates of given members are left out of
+        v.p."""
+        work = self.g.negate(body.node)
+        by = gradient(self.g, body.node, RATES) if len(body.over) < 4 else {}
+        left = False
         for symbol, node in by.items():
             slot = self.x.slots.of(symbol)
-            throughout = self._carried(slot)
-            near = slot.at is not None and (throughout or bool(term.ranges))
+            if node == ZERO:
+                continue
+            near = slot.at is not None and (self._carried(slot) or bool(body.over))
             given = slot.name in self.moving and near
-            moving |= given
-            carried |= given and throughout
+            left |= given
             rate = self.x.slots.node("d", slot.name, slot.at) if given else symbol
             work = self.g.add(work, self.g.multiply(rate, node))
-        inner = body if degree(self.g, body) == 2 and not carried else self.inner(work)
-        return (work if moving else inner), inner
+        return body.node if by and degree(self.g, body.node) == 2 and not left else work
 
-    def total(self, found: list[tuple[Term, int]]) -> Total:
-        """Returns the sum of the terms, each multiplied by its sign."""
-        result = Total()
-        for term, sign in found:
-            result = self.with_(result, term, signed(self.g, self.totals.body(term), sign))
-        return result
-
-    # -- parts --------------------------------------------------------------------------------
-
-    def inner(self, node: Node) -> Node:
-        """Returns the node for an index m far from the ends of families (in the interior): there it
-        contains no members with prescribed values."""
-        carried = [g.name for g in self.x.coordinates.values() if g.is_carried]
-        return self.x.slots.inside(node, carried)
-
-    def append(self, parts: list[Part], part: Part) -> None:
-        if part.node != ZERO:
-            inner = self.inner(part.node) if part.inner is None else part.inner
-            parts.append(replace(part, inner=inner))
-
-    def _enter(
-        self, whats: tuple[str, ...], name: str, term: Term, shift: Affine | None, node: Node
-    ) -> None:
-        for what in whats:
-            if shift is None:
-                self.found.totals[what, name] = self.with_(
-                    self.found.totals[what, name], term, node
-                )
-            else:
-                self.add(self.found.rows[what, name], term, shift, node)
-
-    def add(self, parts: list[Part], term: Term, shift: Affine, node: Node) -> None:
-        if term.ranges:
-            (_, lo, hi) = term.ranges[0]
-            self.append(parts, Part(lo + shift, hi + shift, node))
-        else:
-            self.append(parts, Part(shift, shift, self.seen_from(node, shift)))
+    # -- given members ------------------------------------------------------------------------
 
     def seen_from(self, node: Node, place: Affine) -> Node:
         """Returns the node with indices shifted so that `place` becomes m. Indices whose distance
@@ -263,32 +265,6 @@ class Gather:
 
         return self.x.slots.swapped(node, swap)
 
-    def with_(self, total: Total, term: Term, node: Node, inner: Node | None = None) -> Total:
-        if not term.ranges:
-            return replace(total, constant=self.g.add(total.constant, node))
-        if len(term.ranges) == 2:
-            return replace(total, pairs=(*total.pairs, PairPart(*pair_ranges(term), node)))
-        parts = list(total.parts)
-        (_, lo, hi) = term.ranges[0]
-        self.append(parts, Part(lo, hi, node, inner))
-        return replace(total, parts=tuple(parts))
-
-    def _mass(self, term: Term, family: str, shift: Affine, momentum: Node) -> None:
-        if momentum == ZERO:
-            return
-        for symbol, node in gradient(self.g, momentum, RATES).items():
-            slot = self.x.slots.of(symbol)
-            if node == ZERO:
-                continue
-            if slot.at is None:
-                self.add(self.found.border[slot.name, family], term, shift, node)
-                continue
-            distance = slot.at - (M if term.ranges else shift)
-            if not distance.is_constant:
-                raise Unrolled("the inertia of two members far apart is coupled")
-            key = (family, slot.name, distance.constant)
-            self.add(self.found.entries[key], term, shift, node)
-
     def _moves(self, name: str, at: Affine) -> bool:
         """Returns whether the prescribed value of a member beyond a fixed end depends on t or an
         input."""
@@ -296,9 +272,6 @@ class Gather:
         nodes = [self.x.given(n, at) for n in (turning[0].quaternion if turning else (name,))]
         driven = BIT[Kind.TIME] | BIT[Kind.INPUT]
         return any(self.g.depends[node] & driven for node in nodes)
-
-    def _by(self, by: dict[Node, Node], kind: str, name: str, at: Affine | None) -> Node:
-        return by.get(self.x.slots.node(kind, name, at), ZERO)
 
     def _coasting(self, node: Node) -> Node:
         """Returns the time derivative of a symbol if all coordinates have the acceleration 0."""
@@ -314,3 +287,26 @@ class Gather:
 
     def _carried(self, slot: Slot) -> bool:
         return self.x.coordinates[slot.name].is_carried
+
+
+def over_of(term: Term) -> Over:
+    """Returns the ranges of a term, with m for the first index in the range of the second."""
+    if not term.ranges:
+        return ()
+    (own, lo, hi), *more = term.ranges
+    return (lo, hi, *(end.replaced({own: M}) for _, *ends in more for end in ends))
+
+
+def all_of(group: Group) -> tuple[Over, Affine | None]:
+    """Returns the range of a family and the index m, or of a scalar () and None."""
+    return ((group.lo, group.hi), M) if group.is_family else ((), None)
+
+
+def _given(group: Group, side: int) -> int:
+    """Returns the number of consecutive indices beyond the lower (side -1) or upper end of a family
+    for which the model gives values."""
+    at = {index for index, _ in group.ends}
+    count = 0
+    while (group.lo - (count + 1) if side < 0 else group.hi + (count + 1)) in at:
+        count += 1
+    return count

@@ -25,32 +25,29 @@ from ..points.cuts import half_cosine, jumping_angles
 from ..points.singularities import COORDINATES, CUT, DIVISOR, about, dangerous, squared, zeros
 from ..quantities import input_quantities
 from .expand import LoopExpander
-from .indexed_ir import Group, PairPart, Part, Total
+from .indexed_ir import Addend, Group, Over, Sum
 from .indices import unlike_loops
 from .loops import LoopEquations, LoopSingularity
-from .pair_sums import M
-from .rows import Gather
+from .slots import M
 
 MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE] | BIT[Kind.TIME]
 # The text that follows the name of a coordinate or state, for each kind of symbol (see Slot).
 # Symbols of kind "a" occur only as time derivatives of states.
 _PRIMES = {"v": "'", "d": "'", "a": "'"}
-# Ranges of indices: () for a single value, (lo, hi), or (lo, hi, first, last) for pairs.
-Over = tuple[Affine, ...]
 _Guarded = tuple[Over, Node]
 
 
 def singularities_of(
-    x: LoopExpander, gather: Gather, e: LoopEquations
+    x: LoopExpander, e: LoopEquations
 ) -> tuple[tuple[LoopSingularity, ...], bool]:
     """Returns the singularities, first those where M is singular, and whether the pivots of M are
     singularities too."""
-    return _Singularities(x, gather, e).found()
+    return _Singularities(x, e).found()
 
 
 class _Singularities:
-    def __init__(self, x: LoopExpander, gather: Gather, e: LoopEquations):
-        self.x, self.gather, self.e, self.g = x, gather, e, x.graph
+    def __init__(self, x: LoopExpander, e: LoopEquations):
+        self.x, self.e, self.g = x, e, x.graph
         self.ranges = Ranges(x.graph, [])
         self.ranges.known.update(_known(x, e))
         for k, total in enumerate(x.totals.all):
@@ -65,16 +62,16 @@ class _Singularities:
                     found = self._canonical(over, node)
                     if moves(self.x, node) and (found not in motions or use == DIVISOR):
                         motions[found] = use
-        for over, energy in _ranged(self.e.lagrangian):
-            for angle in jumping_angles(self.g, [energy], self.ranges):
-                motions[self._canonical(over, half_cosine(self.g, angle))] = CUT
+        for body in self.e.lagrangian:
+            for angle in jumping_angles(self.g, [body.node], self.ranges):
+                motions[self._canonical(body.over, half_cosine(self.g, angle))] = CUT
         kept = dict.fromkeys(charts, COORDINATES)
         kept |= {found: use for found, use in motions.items() if found not in kept}
         roots = [(over, square) for over, node in kept for square in squared(self.g, node)]
         for root in roots:  # if both sqrt(x) and x are singularities, only sqrt(x) is kept
             kept.pop(root, None)
         singularities = [
-            LoopSingularity(shown(self.x, node), kept[over, node], self._terms(over, node))
+            LoopSingularity(shown(self.x, node), kept[over, node], over, node)
             for over, node in self._distinct(kept)
         ]
         return tuple(singularities), pivots
@@ -94,11 +91,11 @@ class _Singularities:
                 kept.append((over, node))
         return kept
 
-    def _of_total(self, total: Total) -> Range:
-        """Returns an interval that contains the value of a Total, whose sums may be empty."""
-        constant, parts = self.ranges(total.constant), [n for _, n in _ranged(total)]
-        if not all(self.ranges(node).not_negative for node in parts):
+    def _of_total(self, total: Sum) -> Range:
+        """Returns an interval that contains the value of a total, whose sums may be empty."""
+        if not all(self.ranges(x.node).not_negative for x in total):
             return Range(-INF, INF)
+        constant = self.ranges(self.g.sum(x.node for x in total if not x.over))
         return Range(constant.lo, INF, constant.below)
 
     # -- singularities of M -------------------------------------------------------------------
@@ -110,7 +107,7 @@ class _Singularities:
         found: dict[_Guarded, None] = {}
         if e.facts.mass_constant:
             return found, False
-        if not e.mass.is_diagonal or e.carried:
+        if not e.mass_diagonal or e.carried:
             return found, True
         pivots = False
         for group in e.coordinates:
@@ -124,28 +121,26 @@ class _Singularities:
                     found[self._canonical(over, factor)] = None
         return found, pivots
 
+    def _diagonal(self, group: Group) -> list[_Guarded]:
+        """Returns the addends to the diagonal entry of M for a family or scalar."""
+        own = [x for x in self.e.mass if x.to[0] == x.to[1] and x.to[0][0] == group.name]
+        return [seen_from_row(self.x, x) for x in own]
+
     def _single(self, group: Group) -> _Guarded | None:
         """Returns the diagonal entry of M for a family or scalar, with its index range; None if it
-        consists of parts with different ranges."""
-        if not group.is_family:
-            total = self.e.mass.corner[group.name, group.name]
-            return None if total.parts or total.pairs else ((), total.constant)
-        parts = self.e.mass.entries[group.name, group.name, 0].parts
-        over = (parts[0].lo, parts[0].hi)
-        if any((part.lo, part.hi) != over for part in parts):
+        consists of addends with different ranges."""
+        found = self._diagonal(group)
+        over = found[0][0]
+        if any(there != over for there, _ in found) or bool(over) != group.is_family:
             return None
-        return over, self.g.sum(part.node for part in parts)
+        return over, self.g.sum(node for _, node in found)
 
     def _positive(self, group: Group) -> bool:
-        """Returns whether the diagonal entry of M is proved positive for all members: all parts are
-        nonnegative, and one part that includes all members is positive."""
-        if not group.is_family:
-            total = self.e.mass.corner[group.name, group.name]
-            always, parts = [total.constant], total.parts
-        else:
-            parts = self.e.mass.entries[group.name, group.name, 0].parts
-            always = [part.node for part in parts if _covers(part, group)]
-        return all(self.ranges(part.node).not_negative for part in parts) and any(
+        """Returns whether the diagonal entry of M is proved positive for all members: all addends
+        are nonnegative, and one addend for all members is positive."""
+        found = self._diagonal(group)
+        always = [node for over, node in found if _covers(over, group)]
+        return all(self.ranges(node).not_negative for _, node in found) and any(
             self.ranges(node).positive for node in always
         )
 
@@ -165,12 +160,16 @@ class _Singularities:
         lo, hi = over
         return (lo + least, hi + least), self.x.slots.shifted(node, -least)
 
-    def _terms(self, over: Over, node: Node) -> Total:
-        if not over:
-            return Total(node)
-        if len(over) == 2:
-            return Total(ZERO, (Part(*over, node, self.gather.inner(node)),))
-        return Total(ZERO, (), (PairPart(*over, node),))
+
+def seen_from_row(x: LoopExpander, addend: Addend) -> _Guarded:
+    """Returns the range of the member to which an addend is added, and the addend's node, with the
+    indices in it shifted so that this member has the index m."""
+    at = addend.to[0][1]
+    if len(addend.over) != 2 or at is None:
+        return addend.over, addend.node
+    shift = (at - M).constant
+    lo, hi = addend.over
+    return (lo + shift, hi + shift), x.slots.shifted(addend.node, -shift)
 
 
 def outputs_of(x: LoopExpander, e: LoopEquations) -> Iterator[tuple[Over, Node]]:
@@ -181,27 +180,17 @@ def outputs_of(x: LoopExpander, e: LoopEquations) -> Iterator[tuple[Over, Node]]
         yield over, node
     for slot in x.totals.below(*nodes):
         if slot.kind == "sum":
-            yield from _ranged(x.totals.all[int(slot.name)])
+            yield from ((a.over, a.node) for a in x.totals.all[int(slot.name)])
 
 
 def _rows(e: LoopEquations) -> Iterator[tuple[Over, Node]]:
-    rows = [*e.force.rows.values(), *e.mass.entries.values(), *e.mass.border.values()]
-    totals = [*e.force.totals.values(), *e.mass.corner.values()]
-    for part in (part for item in (*rows, *totals) for part in item.parts):
-        yield (part.lo, part.hi), part.node
-    for bound in e.bound:
-        yield from bound.ranged
-    for total in totals:
-        yield (), total.constant
+    for found in (e.force, e.mass, *(bound.all for bound in e.bound)):
+        yield from ((x.over, x.node) for x in found)
     for nodes in e.given.values():
         yield from (((), node) for node in nodes)
     for piece in (piece for item in e.carried for piece in item.pieces):
         for node in (piece.rate, *piece.by.values()):
             yield (piece.lo, piece.hi), node
-    for pair in e.force.pairs:
-        over = (pair.lo, pair.hi, pair.first, pair.last)
-        for _, node in (*pair.by_row, *pair.by_other, *pair.by_scalar):
-            yield over, node
 
 
 def moves(x: LoopExpander, node: Node) -> bool:
@@ -241,29 +230,22 @@ def _name(x: LoopExpander, letters: dict[str, str]) -> Callable[[Symbol], str]:
     return name
 
 
-def _total(x: LoopExpander, found: Total) -> str:
+def _total(x: LoopExpander, found: Sum) -> str:
     letters, parts = {ROW: "k", OTHER: "l"}, []
     names = {unlike_loops(size.name): size.name for size in x.model.sizes} | letters
-    for over, node in _ranged(found):
-        text = wording(x.graph, node, _name(x, letters))
-        at = [end.text(names).replace(" ", "") for end in over]
+    for addend in found:
+        text = wording(x.graph, addend.node, _name(x, letters))
+        at = [end.text(names).replace(" ", "") for end in addend.over]
         ends = zip("kl", at[::2], at[1::2], strict=False)
         ranges = [f"{letter} = {lo}..{hi}" for letter, lo, hi in ends]
-        parts.append(f"sum({', '.join([text, *ranges])})" if over else text)
+        parts.append(f"sum({', '.join([text, *ranges])})" if addend.over else text)
     return parts[0] if len(parts) == 1 else f"({' + '.join(parts)})"
 
 
-def _ranged(total: Total) -> Iterator[_Guarded]:
-    """Yields (index ranges, summand) for each sum and double sum of a Total, and for its constant,
-    unless this is 0. The constant has the index ranges ()."""
-    if total.constant != ZERO:
-        yield (), total.constant
-    yield from (((part.lo, part.hi), part.node) for part in total.parts)
-    yield from (((p.lo, p.hi, p.first, p.last), p.node) for p in total.pairs)
-
-
-def _covers(part: Part, group: Group) -> bool:
-    before, behind = group.lo - part.lo, part.hi - group.hi
+def _covers(over: Over, group: Group) -> bool:
+    if not group.is_family:
+        return not over
+    before, behind = group.lo - over[0], over[1] - group.hi
     return all(x.is_constant and x.constant >= 0 for x in (before, behind))
 
 

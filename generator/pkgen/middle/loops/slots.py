@@ -5,11 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable
 
-from ...graph.affine import LOOPS, ROW, Affine
+from ...graph.affine import LOOPS, OTHER, ROW, Affine, variable
 from ...graph.differentiate import reachable
 from ...graph.graph import ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.substitute import substituted
 from .indexed_ir import Slot
+
+M, J = variable(ROW), variable(OTHER)
 
 # A Slot is a number that the body of a loop reads, such as q[i]. Maps its kind to the kind of its
 # symbol in the graph. Code that depends on symbols of kind PARAMETER alone is moved before all
@@ -20,7 +22,7 @@ _KINDS = {
     **dict.fromkeys(("v", "d"), Kind.RATE),
     **dict.fromkeys(("param", "size"), Kind.PARAMETER),
     **dict.fromkeys(
-        ("input", "index", "sum", "flux", "w", "a", "p", "place", "lambda", "let", "acc", "side"),
+        ("input", "index", "sum", "w", "a", "p", "place", "lambda", "let", "acc", "side"),
         Kind.INPUT,
     ),
     **dict.fromkeys(("hung_p", "hung_f"), Kind.INPUT),

@@ -4,6 +4,7 @@ loops."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from ...graph.affine import LOOPS, ROW, Affine
 from ...graph.graph import BIT, ZERO, Kind, Node
@@ -12,31 +13,31 @@ from ...tree import Name, children
 from ..quantities import error
 from .constant_sums import assigned, moving
 from .expand import LoopExpander
-from .indexed_ir import Unrolled
+from .indexed_ir import Unrolled, of_name
 from .loops import Assigned, Bounded, Observed
 from .output_recurrences import Alongside
-from .rows import Gather
+from .rows import Assembler
 
 
 class Outputs:
     """Converts the expressions of `observe`, `conserve` and `event` statements to nodes. Sums over
     members in them are computed before (see totals.py)."""
 
-    def __init__(self, x, gather, kinetic, potential, lagrangian, energy, momenta):
-        self.x, self.gather = x, gather
-        x.watched, x.alongside = True, Alongside(x, gather)
+    def __init__(self, x, assembler, kinetic, potential, lagrangian, energy, momenta):
+        self.x, self.assembler = x, assembler
+        x.watched, x.alongside = True, Alongside(x, assembler)
         named = {"T": kinetic, "V": potential, "L": lagrangian, "energy": energy}
         own = [g for g in x.coordinates.values() if not (g.is_state or g.is_carried)]
         x.momenta = {g.declared.momentum or f"p_{g.name}": g for g in own}
         for name, group in x.momenta.items():
             if not (group.is_family or x.carried):
-                named[name] = momenta.totals[group.name]
+                named[name] = of_name(momenta, group.name)
         used = {name for item in _outputs(x) for name in _names(item)}
         if "V_eff" in used - {item.name for item in x.model.definitions}:
             raise Unrolled("'V_eff' is of single coordinates")
         for name, total in named.items():
             if total is not None and name in used:
-                x.outputs[name] = x.totals.node(total)
+                x.outputs[name] = x.totals.node(tuple(replace(a, to=()) for a in total))
 
     def observed(self) -> tuple[Observed, ...]:
         """Returns the quantities of `observe` statements."""
@@ -54,10 +55,10 @@ class Outputs:
         x = self.x
         lo, hi, loop = x.over(item.range)
         node = x.scalar(item.value, loop)
-        self.gather.found.limits += x.limits_over(lo, hi)
+        self.assembler.limits += x.limits_over(lo, hi)
         for slot in x.slots.below(node):
             if slot.at is not None and slot.at.factor(ROW):
-                self.gather.bodies.member(slot, lo, hi)
+                self.assembler.member(slot, lo, hi)
         return Observed(item, lo, hi, node)
 
     def nodes(self, items: tuple[Definition | Event, ...]) -> tuple[Node, ...]:
@@ -67,7 +68,7 @@ class Outputs:
                 raise Unrolled(f"'{item.name}' is claimed for each index")
             node = self.x.scalar(item.value)
             for slot in self.x.slots.below(node):
-                self.gather.found.limits += self.x.limits_of(None, {})
+                self.assembler.limits += self.x.limits_of(None, {})
                 assert slot.at is None or not any(slot.at.factor(v) for v in LOOPS)
             self.x.outputs[item.name] = node
             found.append(node)
@@ -87,30 +88,30 @@ def _names(item: Definition | Event) -> Iterable[str]:
             yield expr.id
 
 
-def starts_of(x: LoopExpander, gather: Gather) -> tuple[Assigned, ...]:
+def starts_of(x: LoopExpander, assembler: Assembler) -> tuple[Assigned, ...]:
     found = []
     for item in x.model.starts:
         over = lo, hi, _ = x.over(item.range, item.index)
         group = x.coordinates[item.name]
         order = 1 if group.is_state else item.order
-        made, nodes = assigned(x, item.name, order, over, item.value, gather.found.limits)
+        made, nodes = assigned(x, item.name, order, over, item.value, assembler.limits)
         timed = any(x.graph.depends[node] & BIT[Kind.TIME] for node in nodes)
         if timed or moving(x.slots.below(*nodes)):
             message = "an initial value may use parameters and numbers only"
             raise error(x.model, message, item.value.span)
         if lo is not None:
             x.members += [(group.lo, group.hi, lo), (group.lo, group.hi, hi)]
-        gather.found.limits += x.limits_over(lo, hi)
+        assembler.limits += x.limits_over(lo, hi)
         found.append(made)
     return tuple(found)
 
 
-def defaults_of(x: LoopExpander, gather: Gather) -> tuple[Assigned, ...]:
+def defaults_of(x: LoopExpander, assembler: Assembler) -> tuple[Assigned, ...]:
     found = []
     for group in x.parameters.values():
         over = lo, hi, _ = x.over(group.declared.range)
-        made, _ = assigned(x, group.name, 0, over, group.declared.default, gather.found.limits)
-        gather.found.limits += x.limits_of(None, {} if lo is None else {ROW: (lo, hi)})
+        made, _ = assigned(x, group.name, 0, over, group.declared.default, assembler.limits)
+        assembler.limits += x.limits_of(None, {} if lo is None else {ROW: (lo, hi)})
         found.append(made)
     return tuple(found)
 

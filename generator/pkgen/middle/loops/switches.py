@@ -25,11 +25,10 @@ from ...graph.surfaces import Surfaces, argument_of
 from ..derive.impulses import Across, arguments_of
 from ..derive.switches import free
 from .expand import LoopExpander
-from .facts import total_nodes, vector_nodes
-from .indexed_ir import Slot, Unrolled
+from .indexed_ir import Over, Slot, Unrolled, nodes_of
 from .indices import size_values
 from .loops import Limit, LoopEquations, LoopSwitch
-from .singularities import Over, moves, outputs_of, shown
+from .singularities import moves, outputs_of, shown
 from .slots import Slots
 
 _PAIRS = "a force or a rate jumps in a sum over pairs"
@@ -135,10 +134,10 @@ class _Switches:
         if arguments_of(g, [node for rows in e.bound for node in rows.nodes]):
             raise Unrolled("a constraint bends or jumps")
         within = x.totals.nodes
-        bodies = within(*total_nodes([e.lagrangian]), *(node for node, _ in x.primes))
+        bodies = within(*nodes_of(e.lagrangian), *(node for node, _ in x.primes))
         if self._jumping(bodies):
             raise Unrolled("L jumps at a step, so that rates do")
-        jumping = self._jumping(within(*vector_nodes(e.force)))
+        jumping = self._jumping(within(*nodes_of(e.force)))
         if not jumping:
             return
         if any(counts(g, argument) for argument in jumping):
@@ -156,8 +155,7 @@ class _Switches:
             kept = [r for r in (self._moving(node, over) for over in ranges[key]) if r is not None]
             if kept:
                 self._keep_apart(node)
-                inner = x.slots.inside(node, [group.name for group in e.carried_groups])
-                yield LoopSwitch(shown(x, node), node, inner, tuple(kept), key not in loose)
+                yield LoopSwitch(shown(x, node), node, tuple(kept), key not in loose)
 
     def _ranges(
         self, surfaces: Surfaces, keys: dict[object, Node]

@@ -1,0 +1,217 @@
+"""The kernels of a model with families: terms, and to what their values are added.
+
+A kernel is made from the addends of its quantities. Addends with the same index range become one C
+function (Terms), which computes its values for successive members; runtime/include/pk/members.h
+adds them up, by the tables that loops_text.py writes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+from ...graph.affine import OTHER, ROW
+from ...graph.collect import THOROUGH, fewest, settled
+from ...graph.differentiate import reachable
+from ...graph.graph import ZERO, Node
+from ...middle.loops.indexed_ir import Addend, Cell, Group, Over, Slot, Unrolled
+from ...middle.loops.loops import LoopEquations
+from ...middle.loops.slots import Slots
+from ..targets import STORE, Target
+from .loops import TERMS, Block, Places
+
+MOST_VALUES = 200  # of one C function; members.h has room for 256
+MOST_ADDITIONS, MOST_SCALARS = 64, 64  # as in members.h
+
+
+@dataclass
+class Terms:
+    """A C function of the values of terms with the index range `over`. Value r is o[r]."""
+
+    name: str
+    over: Over
+    nodes: list[Node]
+    sequence: bool = False  # whether members are computed one after the other
+    block: Block = field(init=False)
+
+    def __post_init__(self) -> None:
+        targets = [Target(STORE, f"o[{r}][k]", (node,)) for r, node in enumerate(self.nodes)]
+        self.block = Block(targets, TERMS, pairs=self.is_pairs)
+
+    @property
+    def is_pairs(self) -> bool:
+        return len(self.over) == 4
+
+    @property
+    def slots(self) -> list[Slot]:
+        """The symbols that the function reads from arrays, in order; known after lowering."""
+        return list(self.block.reads)
+
+
+@dataclass
+class Goal:
+    """Value number `value` of terms, times `sign`, is added to output number `output`."""
+
+    terms: Terms
+    value: int
+    sign: int
+    output: int
+    to: tuple[Cell, ...]
+
+
+@dataclass
+class Kernel:
+    """Terms, and to what their values are added."""
+
+    name: str
+    terms: list[Terms]
+    goals: list[Goal]
+
+    @property
+    def blocks(self) -> Iterator[Block]:
+        return (terms.block for terms in self.terms)
+
+    def of(self, kind: int) -> list[Terms]:
+        """The terms with so many numbers in their index range: 0, 2 or 4."""
+        return [terms for terms in self.terms if len(terms.over) == kind]
+
+    @property
+    def most(self) -> int:
+        """The largest number of values of one function."""
+        return max((len(terms.nodes) for terms in self.terms), default=1)
+
+
+@dataclass
+class Vector(Kernel):
+    """A kernel with values for the members of families, and for scalars."""
+
+    families: list[Group]
+    scalars: list[Group]
+    outputs: int
+    finish: str = "STORE"  # or QUOTIENT, DIVIDE (see members.h)
+
+
+class Builder:
+    """Makes kernels; may add nodes to the graph."""
+
+    def __init__(self, e: LoopEquations, places: Places):
+        self.e, self.places, self.g = e, places, e.graph
+        self.slots = Slots(e.graph, e.slots)
+
+    def kernel(self, name: str, outputs: Sequence[Iterable[Addend]], short: bool = True) -> Kernel:
+        return Kernel(name, *self._made(name, outputs, short))
+
+    def vector(
+        self,
+        name: str,
+        outputs: Sequence[Iterable[Addend]],
+        groups: Iterable[Group],
+        finish: str = "STORE",
+        short: bool = True,
+    ) -> Vector:
+        groups = list(groups)
+        families = [g for g in groups if g.is_family]
+        scalars = [g for g in groups if not g.is_family]
+        terms, goals = self._made(name, outputs, short)
+        found = Vector(name, terms, goals, families, scalars, len(outputs), finish)
+        if len(scalars) * len(outputs) > MOST_SCALARS:
+            raise Unrolled(f"there are more than {MOST_SCALARS} coordinates that are no family's")
+        for goal in goals:
+            if goal.terms.over and goal.to[0][1] is not None and not goal.terms.is_pairs:
+                if not moves(goal.to[0]):
+                    raise Unrolled("a sum is added to a member far from its own")
+        if added(found, self.e) > MOST_ADDITIONS:
+            raise Unrolled("too many terms of single members, or too far beyond the ends")
+        return found
+
+    def totals(self, name: str, addends: Iterable[Addend], short: bool = True) -> list[Terms]:
+        """Returns terms with one value each, whose sum is the total."""
+        return [
+            Terms(f"{name}_{k}", x.over, self._short([x.node], short))
+            for k, x in enumerate(addends)
+        ]
+
+    def _made(
+        self, name: str, outputs: Sequence[Iterable[Addend]], short: bool
+    ) -> tuple[list[Terms], list[Goal]]:
+        found: dict[Over, list[tuple[int, Addend]]] = {}
+        for output, addends in enumerate(outputs):
+            for x in addends:
+                if x.node != ZERO:
+                    found.setdefault(x.over, []).append((output, x))
+        terms, goals = [], []
+        for over, items in found.items():
+            for first in range(0, len(items), MOST_VALUES):
+                part = items[first : first + MOST_VALUES]
+                shorter = self._short([x.node for _, x in part], short)
+                nodes: list[Node] = []
+                places = [self._place(nodes, node) for node in shorter]
+                made = Terms(f"{name}_{len(terms)}", over, nodes)
+                terms.append(made)
+                goals += [
+                    Goal(made, value, sign, output, x.to)
+                    for (value, sign), (output, x) in zip(places, part, strict=True)
+                    if sign
+                ]
+        return terms, goals
+
+    def _short(self, nodes: list[Node], short: bool) -> list[Node]:
+        if not short or len(reachable(self.g, nodes)) > THOROUGH:
+            return nodes
+        return fewest(self.g, settled(self.g, nodes))
+
+    def _place(self, nodes: list[Node], node: Node) -> tuple[int, int]:
+        """Returns the number of a value and a sign: values that are opposite, as the forces of a
+        spring on its ends are, are computed once."""
+        if node == ZERO:
+            return 0, 0
+        if node in nodes:
+            return nodes.index(node), 1
+        opposite = self.g.negate(node)
+        if opposite in nodes:
+            return nodes.index(opposite), -1
+        for k, other in enumerate(nodes) if len(nodes) < 8 else ():
+            if settled(self.g, [self.g.add(node, other)])[0] == ZERO:
+                return k, -1
+        nodes.append(node)
+        return len(nodes) - 1, 1
+
+
+def beyond(group: Group, e: LoopEquations) -> tuple[int, int]:
+    """Returns the number of indices below the first member of a family, and above the last one,
+    that stand for members."""
+    below = above = e.wraps.get(group.name, 0)
+    for at, end in group.ends:
+        if end.kind == "free":
+            low, high = group.lo - at, at - group.hi
+            if low.is_constant and low.constant > 0:
+                below = max(below, low.constant)
+            elif high.is_constant:
+                above = max(above, high.constant)
+    return below, above
+
+
+def added(vector: Vector, e: LoopEquations) -> int:
+    """Returns the number of values that are added to rows one by one (see members.h)."""
+    singles = sum(not goal.terms.over for goal in vector.goals)
+    return singles + sum(sum(beyond(g, e)) for g in vector.families) * vector.outputs
+
+
+def reach(vector: Vector) -> tuple[int, int]:
+    """Returns the least and the greatest offset of a row from the index of a term."""
+    offsets = [
+        goal.to[0][1].constant
+        for goal in vector.goals
+        if len(goal.terms.over) == 2 and moves(goal.to[0])
+    ]
+    return min(offsets, default=0), max(offsets, default=0)
+
+
+def moves(cell: Cell) -> bool:
+    """Returns whether the index of a cell is m plus a constant."""
+    at = cell[1]
+    return at is not None and at.factor(ROW) == 1 and at.without(ROW).is_constant
+
+
+def is_other(cell: Cell) -> bool:
+    return cell[1] is not None and bool(cell[1].factor(OTHER))

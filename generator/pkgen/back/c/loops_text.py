@@ -1,0 +1,337 @@
+"""The C text of kernels of models with families: functions of terms and tables for members.h."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Iterator
+
+from ...graph.affine import OTHER, ROW, Affine
+from ...middle.loops.indexed_ir import Cell, Group, Slot
+from ...middle.loops.loops import LoopEquations
+from .kernel_code import statements
+from .loops import Places
+from .loops_kernels import Goal, Kernel, Terms, Vector, beyond, is_other, moves, reach
+from .program import Statement
+from .tree import Declare, Function, Node, rendered
+
+ARGS = "const struct {}_params *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u"
+STATE = "p, t, q, v, u"
+MOST_ROOM = 4096  # numbers of a buffer; below it, BLOCK members at a time
+BLOCK, FEWEST = 512, 16
+# Kinds of symbols (Slot): the array in C, and which derivative of a given value stands for it where
+# it is given: the value, its rate or its acceleration, or none, which means 0.
+ARRAYS = {
+    "q": ("Q", 0),
+    "s": ("V", 0),
+    "v": ("V", 1),
+    "d": ("V", -1),
+    "w": ("ZERO", 2),
+    "a": ("A", -1),
+    "acc": ("A", 2),
+    "p": ("P", -1),
+    "let": ("LETS", -1),
+    "lambda": ("LAMBDA", -1),
+    "side": ("SIDES", -1),
+}
+
+
+class Numbers:
+    """The numbers of families in C, and the indices in the array `at_` of struct NAME_params, which
+    has their ranges first, then ranges of sums and other indices."""
+
+    def __init__(self, e: LoopEquations, places: Places):
+        self.e, self.places = e, places
+        self.groups = {g.name: g for g in (*e.coordinates, *e.carried_groups)}
+        self.families: dict[tuple[str, str], int] = {}
+        self.rows: list[tuple[str, str, str]] = []  # first number, least and greatest index
+        self.shapes: list[str] = []  # rows of struct pk_family
+        self.groups_of: list[Group | None] = []
+        for g in (*e.coordinates, *e.carried_groups):
+            self._enter(g.name, "", places.first[g.name], g)
+        for rows in e.bound:
+            self._enter(rows.group.name, "lambda", places.first[rows.group.name], rows.group)
+        for item in (item for found in e.along for item in found):
+            self._enter(item.name, "let", places.lets[item.name][0], item.group)
+        for g in e.carried_groups:
+            for kind in ("w", "d", "hung_p", "hung_f"):
+                _, first = places.carried(kind, g.name, g.lo)
+                self._enter(g.name, kind, first, g)
+        for k in range(len(e.switches)):
+            self._side(k)
+        self.more: list[str] = []
+        self._known: dict[tuple[Affine, ...], int] = {}
+
+    def _enter(self, name: str, kind: str, first: Affine, g: Group) -> None:
+        index = self.places.index
+        self.families[name, kind] = len(self.rows)
+        lo, hi = (index(g.lo), index(g.hi)) if g.is_family else ("0", "0")
+        self.rows.append((index(first), lo, hi))
+        below, above = beyond(g, self.e) if not g.periodic and not kind else (0, 0)
+        self.shapes.append(f"{{{int(g.periodic)}, {below}, {above}}}")
+        self.groups_of.append(g)
+
+    def _side(self, k: int) -> None:
+        self.families[str(k), "side"] = len(self.rows)
+        lo, hi = (f"p->side_{end}_[{k}]" for end in ("lo", "hi"))
+        self.rows.append((f"p->side_at_[{k}] + {lo}", lo, hi))
+        self.shapes.append("{0, 0, 0}")
+        self.groups_of.append(None)
+
+    def range(self, *ends: Affine) -> int:
+        """Returns the index in `at_` of successive numbers."""
+        if ends not in self._known:
+            self._known[ends] = 3 * len(self.rows) + len(self.more)
+            self.more += map(self.places.index, ends)
+        return self._known[ends]
+
+    def shift(self, at: Affine) -> tuple[int, int]:
+        """Returns the constant part of an index without loop variables, and the index in `at_` of
+        the rest, or 0 if there is none."""
+        rest = Affine(0, at.terms)
+        return at.constant, 0 if rest.is_constant else self.range(rest)
+
+    def family(self, slot: Slot) -> int:
+        """Returns the number of the family that a symbol belongs to, or of the scalar."""
+        kind = slot.kind if slot.kind in ("let", "lambda", "side") else ""
+        if (slot.name, slot.kind) in self.families and slot.name in self.groups:
+            kind = slot.kind if slot.kind in ("w", "d", "hung_p", "hung_f") else ""
+        return self.families[slot.name, kind]
+
+    def slot(self, slot: Slot, array: str = "", order: int = -1) -> str:
+        """Returns a row of struct pk_slot."""
+        family = self.family(slot)
+        if not array:
+            array, order = self._array(slot)
+        at = slot.at if slot.at is not None else Affine()
+        of_m, of_j = at.factor(ROW), at.factor(OTHER)
+        shift, extra = self.shift(at.without(ROW).without(OTHER))
+        return f"{{PK_OF_{array}, {order}, {family}, {of_m}, {of_j}, {shift}, {extra}}}"
+
+    def _array(self, slot: Slot) -> tuple[str, int]:
+        group = self.groups.get(slot.name)
+        if group is not None and group.is_carried:
+            return ("V" if slot.kind == "v" else "Q"), -1
+        if group is not None and group.is_state and slot.kind == "a":
+            return "RATED", 1
+        array, order = ARRAYS[slot.kind]
+        if group is not None and group.is_state and slot.kind == "acc":
+            return "A", 1
+        return array, order
+
+    def cell(self, cell: Cell) -> str:
+        """Returns the place to which values are added, as a row of struct pk_slot."""
+        name, at = cell
+        kind = "" if name in self.groups else "lambda"
+        return self.slot(Slot(kind or "q", name, at), "Q") if not kind else self.slot(
+            Slot("lambda", name, at), "Q"
+        )
+
+
+def filled(rows: Iterable[str], indent: int = 4) -> str:
+    """Returns rows of a table, as many in a line as fit."""
+    text = ", ".join(rows).replace("{ ", "{")
+    return textwrap.fill(text, 98, initial_indent=" " * indent, subsequent_indent=" " * indent)
+
+
+def table(kind: str, name: str, rows: list[str]) -> str:
+    return f"static const {kind} {name}[{len(rows)}] = {{\n{filled(rows)}}};\n" if rows else ""
+
+
+class KernelText:
+    """Writes the kernels of one model."""
+
+    def __init__(self, name: str, e: LoopEquations, numbers: Numbers):
+        self.name, self.e, self.numbers = name, e, numbers
+
+    def lines(self, found: Iterable[Statement], indent: int) -> str:
+        return "\n".join(rendered(statements(found), indent))
+
+    # -- functions of terms -------------------------------------------------------------------
+
+    def term(self, terms: Terms) -> str:
+        name = f"{self.name}_{terms.name}"
+        block, body = terms.block, []
+        words = block.words
+        if "p" in words:
+            of = f"struct {self.name}_params"
+            body.append(Declare(f"const {of} *const", "p", f"(const {of} *)x->params"))
+        for word, kind in (("t", "const pk_real"), ("u", "const pk_real *const")):
+            if word in words:
+                body.append(Declare(kind, word, f"x->{word}"))
+        if block.trig:
+            body.append(Declare("pk_bits", "far", "0"))
+        body += [*([""] if body else []), *statements(block.statements, "pass", "far")]
+        body.append(f"return {'far' if block.trig else 0};")
+        kind = "PAIRS" if terms.is_pairs else "SEQUENCE" if terms.sequence else "TERMS"
+        return f"{Function(f'PK_TERM({name})', body).text}PK_{kind}({name})\n\n"
+
+    def terms_table(self, name: str, found: list[Terms]) -> str:
+        """Returns the C functions of terms, and their table NAME_terms."""
+        if not found:
+            return ""
+        text, rows = "", []
+        for terms in found:
+            own = f"{self.name}_{terms.name}"
+            text += self.term(terms)
+            slots = [self.numbers.slot(slot) for slot in terms.slots]
+            text += table("struct pk_slot", f"{own}_reads", slots)
+            rows.append(self._row(terms, f"{own}_reads" if slots else "NULL"))
+        return f"{text}{table('struct pk_terms', f'{self.name}_{name}', rows)}\n"
+
+    def _row(self, terms: Terms, reads: str) -> str:
+        first = last = 0
+        ends = list(terms.over) or [Affine(), Affine()]
+        if terms.is_pairs:
+            first, last = ends[2].factor(ROW), ends[3].factor(ROW)
+            ends[2:] = [end.without(ROW) for end in ends[2:]]
+        counts = len(terms.slots), len(terms.nodes), self.numbers.range(*ends)
+        numbers = ", ".join(map(str, (*counts, int(terms.is_pairs), first, last)))
+        return f"{{{self.name}_{terms.name}, {reads}, {numbers}}}"
+
+    # -- vectors ------------------------------------------------------------------------------
+
+    def vector(self, of: Vector) -> str:
+        """Returns the C functions and tables of a vector, with the struct pk_vector NAME_of."""
+        kinds = [of.of(kind) for kind in (2, 0, 4)]
+        names = [f"{of.name}_{end}" for end in ("terms", "singles", "pairs")]
+        text = "".join(self.terms_table(n, k) for n, k in zip(names, kinds, strict=True))
+        text += "".join(self.rows(of, g) for g in of.families)
+        sets = [self._set(of, g) for g in of.families]
+        stem = f"{self.name}_{of.name}"
+        text += table("struct pk_row_set", f"{stem}_sets", sets)
+        scalars = [str(self.numbers.families[g.name, self._kind(g)]) for g in of.scalars]
+        text += table("int", f"{stem}_scalars", scalars)
+        counts, pointers = [], []
+        for found, end in zip(kinds, ("terms", "singles", "pairs"), strict=True):
+            goals = [goal for terms in found for goal in of.goals if goal.terms is terms]
+            if end == "terms":
+                goals = [goal for goal in goals if not moves(goal.to[0])]
+            rows = [self._goal(goal, found) for goal in goals]
+            text += table("struct pk_goal", f"{stem}_{end}_to", rows)
+            counts.append(len(rows))
+            pointers.append(f"{stem}_{end}_to" if rows else "NULL")
+        low, high = reach(of)
+        values = sum(len(terms.nodes) for terms in kinds[0])
+        members = [
+            *(f"{self.name}_{n}" if k else "NULL" for n, k in zip(names, kinds, strict=True)),
+            *(str(len(k)) for k in kinds),
+            *map(str, (values, len(sets), len(scalars))),
+            f"{{{', '.join(map(str, counts))}}}",
+            f"{stem}_sets" if sets else "NULL",
+            f"{stem}_scalars" if scalars else "NULL",
+            f"{{{', '.join(pointers)}}}",
+            f"PK_{of.finish}",
+            *map(str, (of.outputs, self.chunk(of), low, high, self.width(of))),
+        ]
+        return f"{text}static const struct pk_vector {stem}_of = {{\n{filled(members)}}};\n\n"
+
+    def chunk(self, of: Kernel) -> int:
+        values = sum(len(terms.nodes) for terms in of.of(2))
+        return max(FEWEST, min(BLOCK, MOST_ROOM // max(1, values) // FEWEST * FEWEST))
+
+    def width(self, of: Vector) -> int:
+        """Returns the length of a row of the buffer: members of a chunk and those before them."""
+        low, high = reach(of)
+        return self.chunk(of) + high - low
+
+    def room(self, of: Vector) -> int:
+        """Returns the length of the buffer of a vector's terms."""
+        values = sum(len(terms.nodes) for terms in of.of(2))
+        pairs = max((len(terms.nodes) for terms in of.of(4)), default=0)
+        return max(1, values * self.width(of), pairs * BLOCK)
+
+    def _goal(self, goal: Goal, found: list[Terms]) -> str:
+        numbers = found.index(goal.terms), goal.value, goal.sign, goal.output
+        return f"{{{', '.join(map(str, numbers))}, {self.numbers.cell(goal.to[0])}}}"
+
+    def _set(self, of: Vector, g: Group) -> str:
+        below, above = beyond(g, self.e)
+        stem, raw = f"{self.name}_{of.name}_{self._id(g)}", "_raw" * (of.finish != "STORE")
+        family = self.numbers.families[g.name, self._kind(g)]
+        return f"{{{family}, {below}, {above}, {stem}, {stem}{raw}}}"
+
+    def _kind(self, g: Group) -> str:
+        return "" if (g.name, "") in self.numbers.families else "lambda"
+
+    def _id(self, g: Group) -> str:
+        return self.numbers.places.ids.get(g.name, f"row_{g.name}")
+
+    def rows(self, of: Vector, g: Group) -> str:
+        """Returns the C functions that add up the values of terms for members of a family."""
+        first, place = 0, {}
+        for terms in of.of(2):
+            place[terms.name] = first
+            first += len(terms.nodes)
+        values = []
+        for output in range(of.outputs):
+            text = ""
+            for goal in of.goals:
+                cell = goal.to[0]
+                if len(goal.terms.over) == 2 and goal.output == output and cell[0] == g.name:
+                    row = (place[goal.terms.name] + goal.value) * self.width(of)
+                    at = row - cell[1].constant
+                    index = f"k{f' + {at}' if at > 0 else f' - {-at}' if at < 0 else ''}"
+                    sign = (" - " if text else "-") if goal.sign < 0 else " + " * bool(text)
+                    text += f"{sign}e[{index}]"
+            values.append(text or "0")
+        stem = f"static pk_bits {self.name}_{of.name}_{self._id(g)}"
+        raw = self._rows(stem + "_raw" * (of.finish != "STORE"), enumerate(values))
+        if of.finish == "STORE":
+            return raw
+        mass = f"M = {values[-1]}"
+        done = f"out[0][k] = ({values[0]}) / M;" if of.finish == "QUOTIENT" else "out[0][k] /= M;"
+        body = [f"const pk_real {mass};", "bad |= !(M > 0);", done]
+        return raw + self._loop(stem, body, True)
+
+    def _rows(self, stem: str, values: Iterable[tuple[int, str]]) -> str:
+        return self._loop(stem, [f"out[{k}][k] = {x};" for k, x in values], False)
+
+    def _loop(self, stem: str, body: list[Node], bad: bool) -> str:
+        args = "PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out"
+        lines = [f"        {line}" for line in body]
+        text = [f"{stem}({args})", "{", "    ptrdiff_t k;", *["    pk_bits bad = 0;"] * bad, ""]
+        text += ["    PK_LANE_LOOP", "    for (k = 0; k < n; k++) {", *_wrapped(lines), "    }"]
+        return "\n".join([*text, f"    return {'bad' if bad else 0};", "}", "", ""])
+
+    # -- matrices -----------------------------------------------------------------------------
+
+    def matrix(self, of: Kernel, unknowns: dict, end: str = "", terms: bool = True) -> str:
+        """Returns the C functions and tables of a matrix, with the struct pk_matrix NAME_of.
+        `unknowns` maps names of cells to numbers in a layout. Without `terms`, the functions of
+        terms are left out, since the same matrix has them in another layout."""
+        found, stem = of.terms, f"{self.name}_{of.name}"
+        text = self.terms_table(f"{of.name}_terms", found) if terms else ""
+        rows = [
+            f"{{{found.index(x.terms)}, {x.value}, {x.sign}, {x.output}, "
+            f"{self._cell(x.to[0], unknowns)}, {self._cell(x.to[1], unknowns)}}}"
+            for terms in found
+            for x in of.goals
+            if x.terms is terms
+        ]
+        text += table("struct pk_entry", f"{stem}_{end}entries", rows)
+        members = [
+            f"{stem}_terms" if found else "NULL",
+            f"{stem}_{end}entries" if rows else "NULL",
+            *map(str, (len(found), len(rows), of.most, self.chunk_of_matrix(of))),
+        ]
+        return f"{text}static const struct pk_matrix {stem}_{end}of = {{\n{filled(members)}}};\n\n"
+
+    def chunk_of_matrix(self, of: Kernel) -> int:
+        return max(FEWEST, min(BLOCK, MOST_ROOM // of.most // FEWEST * FEWEST))
+
+    def room_of_matrix(self, of: Kernel) -> int:
+        return of.most * self.chunk_of_matrix(of)
+
+    def _cell(self, cell: Cell, unknowns: dict) -> str:
+        name, at = cell
+        at = at if at is not None else Affine()
+        shift, extra = self.numbers.shift(at.without(ROW))
+        return f"{{{unknowns[name]}, {at.factor(ROW)}, {shift}, {extra}}}"
+
+
+def _wrapped(lines: list[str]) -> Iterator[str]:
+    for line in lines:
+        yield textwrap.fill(line, 98, subsequent_indent=" " * 12, break_long_words=False)
+
+
+__all__ = ["ARGS", "STATE", "KernelText", "Numbers", "is_other"]

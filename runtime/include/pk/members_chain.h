@@ -1,0 +1,202 @@
+/* Values that are defined along the members of a family, as unknowns of a matrix: each has a row
+ * that says how it depends on others (C), with its own entry first.
+ *
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+#ifndef PK_MEMBERS_CHAIN_H
+#define PK_MEMBERS_CHAIN_H
+
+/* Writes the entries r of the row at index m, and the places c of their columns, -1 of a given one.
+ * Returns how many there are. */
+PK_PERHAPS static int pk_made_row(const struct pk_members *x, const struct pk_places *p,
+                                  const struct pk_matrix *of, ptrdiff_t m, ptrdiff_t *c, pk_real *r)
+{
+    pk_real values[PK_MOST_SLOTS], *o[PK_MOST_SLOTS];
+    int k, n = 0, last = -1;
+
+    for (k = 0; k < of->n_entries; k++) {
+        const struct pk_entry *entry = of->entries + k;
+        const struct pk_terms *terms = of->terms + entry->terms;
+        int i;
+        if (m < x->at[terms->over] || m > x->at[terms->over + 1])
+            continue;
+        for (i = 0; entry->terms != last && i < terms->n_values; i++)
+            o[i] = values + i;
+        if (entry->terms != last)
+            pk_one(x, terms, m, 0, 0, o);
+        last = entry->terms;
+        c[n] = pk_place(x, p, entry->column.unknown, pk_cell_index(x, &entry->column, m));
+        r[n++] = (pk_real)entry->sign * values[entry->value];
+    }
+    return n;
+}
+
+/* The least and the greatest index of the rows of some matrices. */
+PK_PERHAPS static void pk_made_range(const struct pk_members *x, const struct pk_matrix *of, ptrdiff_t *lo,
+                                     ptrdiff_t *hi)
+{
+    int k;
+
+    for (k = 0; k < of->n_terms; k++) {
+        *lo = pk_least(*lo, x->at[of->terms[k].over]);
+        *hi = pk_most(*hi, x->at[of->terms[k].over + 1]);
+    }
+}
+
+/* Adds C^T W C to M and C behind it, for the rows of `count` matrices. W is about the inertia that
+ * is there, or that of what moves the value. */
+PK_PERHAPS static void pk_made(const struct pk_members *x, const struct pk_places *p,
+                               const struct pk_matrix *const *of, int count, pk_real *M)
+{
+    const struct pk_ldl A = pk_lower(p, M);
+    ptrdiff_t lo = PTRDIFF_MAX, hi = PTRDIFF_MIN, m, c[PK_MOST_SLOTS];
+    pk_real r[PK_MOST_SLOTS];
+    int g, i, j;
+
+    for (g = 0; g < count; g++)
+        pk_made_range(x, of[g], &lo, &hi);
+    for (m = hi; m >= lo; m--)
+        for (g = count - 1; g >= 0; g--) {
+            const int n = pk_made_row(x, p, of[g], m, c, r);
+            pk_real weight, own = 0, slopes = 0;
+            ptrdiff_t row;
+            if (!n)
+                continue;
+            row = pk_place(x, p, of[g]->entries->row.unknown, m);
+            weight = *pk_ldl_entry(&A, c[0], c[0]) / 2;
+            if (!(weight > 0)) {
+                for (i = 1; i < n; i++)
+                    if (c[i] >= 0) {
+                        const pk_real of_i = *pk_ldl_entry(&A, c[i], c[i]);
+                        own += of_i;
+                        slopes += of_i > 0 ? r[i] * r[i] : r[i] * r[i] / 1024;
+                    }
+                weight = own > 0 && slopes > PK_C(1e-30) * own ? own / slopes : 1;
+            }
+            *pk_ldl_entry(&A, row, row) = 0;
+            for (i = 0; i < n; i++) {
+                if (c[i] < 0)
+                    continue;
+                *pk_ldl_entry(&A, pk_most(row, c[i]), pk_least(row, c[i])) += r[i];
+                for (j = 0; j <= i; j++)
+                    if (c[j] >= 0)
+                        *pk_ldl_entry(&A, pk_most(c[i], c[j]), pk_least(c[i], c[j])) += weight * r[i] * r[j];
+            }
+        }
+}
+
+/* Bounds each value by the sizes x of the coordinates that it depends on, `count` of them, added to
+ * its own size (own, NULL: 0). */
+PK_PERHAPS static void pk_spread_over(const struct pk_members *x, const struct pk_places *p,
+                                      const struct pk_matrix *const *of, int count, ptrdiff_t n,
+                                      const pk_real *sizes, const pk_real *own, pk_real *out)
+{
+    ptrdiff_t lo = PTRDIFF_MAX, hi = PTRDIFF_MIN, m, c[PK_MOST_SLOTS];
+    pk_real r[PK_MOST_SLOTS];
+    int g, k;
+
+    for (m = 0; m < n; m++)
+        out[m] = PK_F(fabs)(sizes[m]);
+    for (g = 0; g < count; g++)
+        pk_made_range(x, of[g], &lo, &hi);
+    for (m = lo; m <= hi; m++)
+        for (g = 0; g < count; g++) {
+            const int entries = pk_made_row(x, p, of[g], m, c, r);
+            pk_real sum = 0;
+            ptrdiff_t to;
+            if (!entries)
+                continue;
+            to = pk_in_place(x, p, c[0]);
+            sum = own ? PK_F(fabs)(own[to]) : 0;
+            for (k = 1; k < entries; k++)
+                if (c[k] >= 0)
+                    sum += PK_F(fabs)(r[k]) * out[pk_in_place(x, p, c[k])];
+            out[to] = sum;
+        }
+}
+
+/* Takes unknown i = c[0] out of M, where it stands for sum -r[k] c[k]: its row and column go over
+ * to those. Returns the entry of the diagonal that it had. */
+PK_PERHAPS static pk_real pk_taken(const struct pk_ldl *A, int n, const ptrdiff_t *c, const pk_real *r)
+{
+    const ptrdiff_t i = c[0], all = A->rows + A->border;
+    const ptrdiff_t last = i < A->rows ? pk_least(i + A->width + 1, A->rows) : all;
+    const pk_real own = *pk_ldl_entry(A, i, i);
+    ptrdiff_t j;
+    int k, l;
+
+    for (j = i < A->rows ? pk_ldl_first(A, i) : 0; j < all; j = j + 1 == last ? pk_most(last, A->rows) : j + 1) {
+        const pk_real of_j = *pk_ldl_entry(A, pk_most(i, j), pk_least(i, j));
+        if (j == i || of_j == 0)
+            continue;
+        for (k = 1; k < n; k++)
+            if (c[k] >= 0)
+                *pk_ldl_entry(A, pk_most(c[k], j), pk_least(c[k], j)) -= (pk_real)(c[k] == j ? 2 : 1) * r[k] * of_j;
+        *pk_ldl_entry(A, pk_most(i, j), pk_least(i, j)) = 0;
+    }
+    for (k = 1; k < n; k++)
+        for (l = 1; l <= k; l++)
+            if (c[k] >= 0 && c[l] >= 0)
+                *pk_ldl_entry(A, pk_most(c[k], c[l]), pk_least(c[k], c[l])) += r[k] * r[l] * own;
+    *pk_ldl_entry(A, i, i) = 0;
+    return own;
+}
+
+/* Writes the diagonal of M of the `n` coordinates, without values that are defined by others: from
+ * the last place to the first. M is overwritten. */
+PK_PERHAPS static void pk_diagonal(const struct pk_members *x, const struct pk_places *p,
+                                   const struct pk_matrix *const *of, int count, ptrdiff_t n, pk_real *M, pk_real *out)
+{
+    const struct pk_ldl A = pk_lower(p, M);
+    const ptrdiff_t slots = p->of->slots;
+    ptrdiff_t i, k, c[PK_MOST_SLOTS];
+    pk_real r[PK_MOST_SLOTS];
+    int g;
+
+    for (i = p->places - slots; i >= 0; i -= slots) {
+        for (g = count - 1; g >= 0; g--) {
+            const int entries = pk_made_row(x, p, of[g], p->base + i / slots, c, r);
+            if (entries)
+                (void)pk_taken(&A, entries, c, r);
+        }
+        for (k = i; k < i + slots; k++) {
+            const ptrdiff_t own = pk_in_place(x, p, k);
+            if (own >= 0 && own < n)
+                out[own] = pk_taken(&A, 1, &k, NULL);
+        }
+    }
+    for (i = p->places; i < p->all; i++)
+        if (pk_in_place(x, p, i) >= 0)
+            out[pk_in_place(x, p, i)] = *pk_ldl_entry(&A, i, i);
+}
+
+/* Adds C^T W C to M among matrices in bands, whose rows C are there. */
+PK_PERHAPS static void pk_weighed(const struct pk_members *x, const struct pk_places *p,
+                                  const struct pk_matrix *const *of, int count, pk_real *M)
+{
+    const ptrdiff_t width = p->of->width, border = p->all - p->banded;
+    ptrdiff_t lo = PTRDIFF_MAX, hi = PTRDIFF_MIN, m, c[PK_MOST_SLOTS];
+    pk_real r[PK_MOST_SLOTS];
+    int g, i, j;
+
+    for (g = 0; g < count; g++)
+        pk_made_range(x, of[g], &lo, &hi);
+    for (m = hi; m >= lo; m--)
+        for (g = count - 1; g >= 0; g--) {
+            const int n = pk_made_row(x, p, of[g], m, c, r);
+            ptrdiff_t at;
+            pk_real weight;
+            if (!n)
+                continue;
+            at = c[0] < p->banded ? c[0] * (2 * width + 1) + width
+                                  : p->banded * (2 * width + 1) + (p->banded + c[0]) * border + c[0] - p->banded;
+            weight = M[at] / 2;
+            if (!(weight > 0))
+                weight = 1;
+            for (i = 0; i < n; i++)
+                for (j = 0; j < n; j++)
+                    if (c[i] >= 0 && c[j] >= 0)
+                        pk_to_band(p, M, c[i], c[j], weight * r[i] * r[j]);
+        }
+}
+
+#endif
