@@ -329,8 +329,13 @@ PK_PERHAPS static int pk_additions(const struct pk_members *x, const struct pk_v
         const ptrdiff_t lo = pk_range_of_family(x, set->family)[1];
         const ptrdiff_t hi = pk_range_of_family(x, set->family)[2];
         ptrdiff_t i;
-        for (i = lo - set->below; i <= hi + set->above; i = i == lo - 1 ? hi + 1 : i + 1) {
-            const ptrdiff_t home = i < lo || i > hi ? pk_home(x, set->family, i) : lo - 1;
+        for (i = lo - set->below; i <= hi + set->above; i++) {
+            ptrdiff_t home;
+            if (i == lo)
+                i = hi + 1;
+            if (i > hi + set->above)
+                break;
+            home = pk_home(x, set->family, i);
             if (home < lo)
                 continue;
             pk_raw_row(x, of, set, i, e, r);
@@ -433,13 +438,19 @@ PK_PERHAPS static pk_bits pk_compute(const struct pk_members *x, const struct pk
                           pk_real *const *out, pk_real *v, pk_real h)
 {
     struct pk_addition added[PK_MOST_ADDITIONS];
-    pk_real scalars[PK_MOST_SCALARS] = {0}, sums[PK_MOST_SCALARS][8] = {{0}}, a[PK_BLOCK];
+    pk_real scalars[PK_MOST_SCALARS], sums[PK_MOST_SCALARS][8], a[PK_BLOCK];
     pk_real *at[PK_MOST_OUTPUTS];
     const int finished = of->finish == PK_STORE ? of->outputs : 1;
-    const int n_added = pk_additions(x, of, e, added, scalars);
     ptrdiff_t first = PTRDIFF_MAX, last = PTRDIFF_MIN, from, n, known = 0;
     pk_bits bad = 0;
-    int g, k;
+    int g, k, n_added;
+
+    for (g = 0; g < of->n_scalars * of->outputs; g++) {
+        scalars[g] = 0;
+        for (k = 0; k < 8; k++)
+            sums[g][k] = 0;
+    }
+    n_added = pk_additions(x, of, e, added, scalars);
 
     for (g = 0; g < of->n_sets; g++) {
         first = pk_least(first, pk_range_of_family(x, of->sets[g].family)[1]);

@@ -184,11 +184,40 @@ PK_PERHAPS static void pk_to_band(const struct pk_places *p, pk_real *A, ptrdiff
         A[right + (2 * rows + i - rows) * border + j - rows] += x;
 }
 
+/* Narrows the members m + lo .. m + hi - 1 to those at which a cell is a member itself, in the band;
+ * *place is its place at m, and steps by the slots. */
+PK_PERHAPS static void pk_straight(const struct pk_members *x, const struct pk_places *p,
+                                   const struct pk_cell *of, ptrdiff_t m, ptrdiff_t *lo, ptrdiff_t *hi,
+                                   ptrdiff_t *place)
+{
+    const struct pk_unknown *u = p->of->unknowns + of->unknown;
+    const ptrdiff_t *range = pk_range_of_family(x, u->family), i = pk_cell_index(x, of, m);
+
+    if (of->unknown >= p->of->slots || of->of_m != 1 || u->n_wraps) {
+        *hi = *lo;
+        return;
+    }
+    *place = (i + u->ahead - p->base) * p->of->slots + of->unknown;
+    *lo = pk_most(*lo, range[1] - i);
+    *hi = pk_least(*hi, range[2] + 1 - i);
+    *hi = pk_least(*hi, (p->banded - 1 - *place) / p->of->slots + (p->banded > *place));
+}
+
+/* Adds x at places that are a step apart. */
+PK_PERHAPS static void pk_add_steps(pk_real *to, ptrdiff_t step, ptrdiff_t n, pk_real sign, const pk_real *x)
+{
+    ptrdiff_t c;
+
+    for (c = 0; c < n; c++)
+        to[c * step] += sign * x[c];
+}
+
 /* Adds all entries of a matrix. */
 PK_PERHAPS static void pk_scatter(const struct pk_members *x, const struct pk_places *p,
                                   const struct pk_matrix *of, pk_real *e, const struct pk_into *to)
 {
     const int numbers = to->use >= PK_TO_DIAGONAL && to->use <= PK_TO_PULL;
+    const ptrdiff_t width = p->of->width, slots = p->of->slots;
     pk_real *o[PK_MOST_SLOTS];
     int g, k, next = 0;
 
@@ -206,12 +235,26 @@ PK_PERHAPS static void pk_scatter(const struct pk_members *x, const struct pk_pl
             for (k = first; k < next; k++) {
                 const struct pk_entry *entry = of->entries + k;
                 const pk_real sign = (pk_real)entry->sign, *value = o[entry->value];
+                ptrdiff_t lo = 0, hi = numbers ? 0 : n, of_row = 0, of_column = 0;
+                pk_straight(x, p, &entry->row, m, &lo, &hi, &of_row);
+                pk_straight(x, p, &entry->column, m, &lo, &hi, &of_column);
+                if (lo < hi && to->use == PK_TO_BANDS)
+                    pk_add_steps(to->matrices[entry->output] + of_row * (2 * width + 1) + of_column - of_row + width +
+                                     lo * slots * (2 * width + 1),
+                                 slots * (2 * width + 1), hi - lo, sign, value + lo);
+                else if (lo < hi && (to->use == PK_TO_K || of_row >= of_column))
+                    pk_add_steps(pk_ldl_entry(&to->A, pk_most(of_row, of_column) + lo * slots, pk_least(of_row, of_column) + lo * slots),
+                                 slots * to->A.apart, hi - lo, sign, value + lo);
                 for (c = 0; c < n; c++) {
-                    const ptrdiff_t row = pk_cell_index(x, &entry->row, m + c);
-                    const ptrdiff_t column = pk_cell_index(x, &entry->column, m + c);
-                    const ptrdiff_t i = (numbers ? pk_number : pk_place)(x, p, entry->row.unknown, row);
-                    const ptrdiff_t j = (numbers ? pk_number : pk_place)(x, p, entry->column.unknown, column);
-                    const pk_real one = sign * value[c];
+                    ptrdiff_t row, column, i, j;
+                    pk_real one;
+                    if (c == lo && lo < hi && (c = hi) >= n)
+                        break;
+                    row = pk_cell_index(x, &entry->row, m + c);
+                    column = pk_cell_index(x, &entry->column, m + c);
+                    i = (numbers ? pk_number : pk_place)(x, p, entry->row.unknown, row);
+                    j = (numbers ? pk_number : pk_place)(x, p, entry->column.unknown, column);
+                    one = sign * value[c];
                     if (i < 0 || j < 0)
                         continue;
                     switch (to->use) {
