@@ -218,9 +218,11 @@ PK_PERHAPS static void pk_evaluate(const struct pk_members *x, const struct pk_t
  * and `least` behind. raw() is the same before a division. Both return nonzero where a mass is not
  * positive. */
 typedef pk_bits pk_rows(const pk_real *e, ptrdiff_t n, pk_real *const *out);
+typedef void pk_kick(const pk_real *e, ptrdiff_t n, pk_real kappa, pk_real delta, pk_real *q, pk_real *v);
 struct pk_row_set {
     int family, below, above; /* indices beyond the ends that terms reach */
     pk_rows *rows, *raw;
+    pk_kick *kick; /* v += kappa a, q += delta v; NULL: not there */
 };
 
 /* Value number `value` of terms, times `sign`, goes to an output: of a single term to the member
@@ -294,9 +296,10 @@ PK_PERHAPS static void pk_raw_row(const struct pk_members *x, const struct pk_ve
     (void)set->raw(e + of->most, 1, out);
 }
 
-/* Finds what single terms and members beyond the ends add to rows, and to scalars. */
+/* Finds what single terms and members beyond the ends add to the rows begin .. end - 1, and to
+ * scalars. */
 PK_PERHAPS static int pk_additions(const struct pk_members *x, const struct pk_vector *of, pk_real *e,
-                        struct pk_addition *found, pk_real *scalars)
+                        struct pk_addition *found, pk_real *scalars, ptrdiff_t begin, ptrdiff_t end)
 {
     pk_real values[PK_MOST_SLOTS], r[PK_MOST_OUTPUTS], *o[PK_MOST_SLOTS];
     int g, k, n = 0, count = 0;
@@ -316,7 +319,7 @@ PK_PERHAPS static int pk_additions(const struct pk_members *x, const struct pk_v
                     scalars[k * of->outputs + goal->output] += value;
                     is_scalar = 1;
                 }
-            if (is_scalar || i < lo)
+            if (is_scalar || i < lo || i < begin || i >= end)
                 continue;
             found[count].family = goal->to.family;
             found[count].output = goal->output;
@@ -336,7 +339,7 @@ PK_PERHAPS static int pk_additions(const struct pk_members *x, const struct pk_v
             if (i > hi + set->above)
                 break;
             home = pk_home(x, set->family, i);
-            if (home < lo)
+            if (home < lo || home < begin || home >= end)
                 continue;
             pk_raw_row(x, of, set, i, e, r);
             for (k = 0; k < of->outputs; k++) {
@@ -387,46 +390,31 @@ PK_PERHAPS static pk_bits pk_some_rows(const struct pk_vector *of, const struct 
                             ptrdiff_t from, ptrdiff_t to, const pk_real *e,
                             const struct pk_addition *added, int n_added, pk_real *const *out)
 {
-    pk_real r[PK_MOST_OUTPUTS], old[PK_MOST_OUTPUTS], *at[PK_MOST_OUTPUTS];
+    pk_real r[PK_MOST_OUTPUTS], *at[PK_MOST_OUTPUTS];
     const int finished = of->finish == PK_STORE ? of->outputs : 1;
+    ptrdiff_t i, next;
     pk_bits bad = 0;
-    int a, b, k;
+    int b, k;
 
-    for (a = 0; a < n_added && of->finish == PK_DIVIDE; a++)
-        if (added[a].family == set->family && added[a].i >= from && added[a].i < to)
-            break;
-    if (a < n_added && of->finish == PK_DIVIDE) { /* what is divided must not be twice */
-        ptrdiff_t i;
-        for (i = from; i < to; i++) {
-            at[0] = r;
-            (void)set->raw(e + (i - from), 1, at);
-            for (b = 0; b < n_added; b++)
-                if (added[b].family == set->family && added[b].i == i)
-                    r[0] += added[b].value;
-            out[0][i - from] /= r[0];
-            bad |= !(r[0] > 0);
-        }
-        return bad;
-    }
-    bad = set->rows(e, to - from, out);
-    for (a = 0; a < n_added; a++) {
-        const ptrdiff_t i = added[a].i;
-        int before = 0;
-        if (added[a].family != set->family || i < from || i >= to)
-            continue;
-        for (b = 0; b < a; b++)
-            before |= added[b].family == set->family && added[b].i == i;
-        if (before)
-            continue;
-        for (k = 0; k < of->outputs; k++)
-            at[k] = r + k;
-        (void)set->raw(e + (i - from), 1, at);
-        for (b = a; b < n_added; b++)
-            if (added[b].family == set->family && added[b].i == i)
-                r[added[b].output] += added[b].value;
+    for (i = from; i < to; i = next + 1) {
+        next = to;
+        for (b = 0; b < n_added; b++)
+            if (added[b].family == set->family && added[b].i >= i && added[b].i < next)
+                next = added[b].i;
         for (k = 0; k < finished; k++)
             at[k] = out[k] + (i - from);
-        (void)old;
+        if (next > i)
+            bad |= set->rows(e + (i - from), next - i, at);
+        if (next == to)
+            break;
+        for (k = 0; k < of->outputs; k++)
+            at[k] = r + k;
+        (void)set->raw(e + (next - from), 1, at);
+        for (b = 0; b < n_added; b++)
+            if (added[b].family == set->family && added[b].i == next)
+                r[added[b].output] += added[b].value;
+        for (k = 0; k < finished; k++)
+            at[k] = out[k] + (next - from);
         bad |= pk_finished(of->finish, r, at, of->outputs);
     }
     return bad;
@@ -450,7 +438,7 @@ PK_PERHAPS static pk_bits pk_compute(const struct pk_members *x, const struct pk
         for (k = 0; k < 8; k++)
             sums[g][k] = 0;
     }
-    n_added = pk_additions(x, of, e, added, scalars);
+    n_added = pk_additions(x, of, e, added, scalars, PTRDIFF_MIN, PTRDIFF_MAX);
 
     for (g = 0; g < of->n_sets; g++) {
         first = pk_least(first, pk_range_of_family(x, of->sets[g].family)[1]);

@@ -89,6 +89,7 @@ class Vector(Kernel):
     scalars: list[Group]
     outputs: int
     finish: str = "STORE"  # or QUOTIENT, DIVIDE (see members.h)
+    kicks: bool = False  # whether it is an acceleration by which members are kicked
 
 
 class Builder:

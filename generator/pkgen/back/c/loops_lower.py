@@ -25,7 +25,7 @@ from .loops_bound import Layout, bound_context, layout_of_k, layout_of_slopes
 from .loops_chain import chain_context
 from .loops_kernels import Builder
 from .loops_plan import TOTALS, VECTORS, divides, emitted, planned, watches_momenta, within
-from .loops_steps import has_steps
+from .loops_steps import has_steps, lag_of
 from .loops_switches import described as switches
 from .loops_switches import sides
 from .loops_text import KernelText, Numbers
@@ -57,6 +57,11 @@ class _Context:
         self.plan = planned(e, builder, kernels)
         self.slots = builder.slots
         self.fused = "advance" in kernels and has_steps(e, self.plan, self.slots)
+        self.lag = 0
+        if self.fused:
+            vector = self.plan.vectors["acceleration"]
+            self.lag = lag_of(e, vector, self.slots)
+            vector.kicks = self.lag > 0
         # No nodes are added to the graph after this.
         self.e = e = replace(e, slots=tuple(self.slots.all))
         self.given = {at: [_value(node) for node in nodes] for at, nodes in e.given.items()}
@@ -212,6 +217,7 @@ class _Context:
             "proved": labelled(facts(e, e.facts)),
             "constant": labelled(invariants(e, e.facts)),
             "stepper": self.fused,
+            "lag": self.lag,
         }
         text = KernelText(model.name, e, self.numbers)
         found |= {"text": text, "tables_of": self._tables(text, layouts), "numbers": self.numbers}

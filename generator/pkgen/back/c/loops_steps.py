@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from ...graph.affine import ROW
 from ...middle.loops.loops import LoopEquations
-from ...middle.loops.slots import Slots
+from ...middle.loops.slots import M, Slots
+from .loops_kernels import Vector, added, reach
 from .loops_plan import Plan
+
+LINE = 8  # Members per cache line.
+MOST_LAG = 64  # Stages in flight stay in cache up to this.
+MOST_CARRIED = 64  # as in members_steps.h
 
 
 def has_steps(e: LoopEquations, plan: Plan, slots: Slots) -> bool:
@@ -15,3 +21,31 @@ def has_steps(e: LoopEquations, plan: Plan, slots: Slots) -> bool:
         return False
     below = slots.below(*(node for terms in vector.terms for node in terms.nodes))
     return all(int(s.name) in e.fixed for s in below if s.kind == "sum")
+
+
+def lag_of(e: LoopEquations, vector: Vector, slots: Slots) -> int:
+    """Returns by how many members a stage of a step trails the one before it, so that both are made
+    in one pass over memory: terms of rows from m on must read no rows before m. 0 if they do, or
+    read around the end of a ring, or a single term far from its row."""
+    low, high = reach(vector)
+    shifts = [0]
+    for terms in vector.terms:
+        for s in slots.below(*terms.nodes):
+            if s.kind not in ("q", "w") or s.at is None:
+                continue
+            at = s.at - M
+            if not terms.over or s.at.factor(ROW) != 1 or not at.is_constant:
+                return 0
+            shifts.append(at.constant)
+    carried = sum(len(terms.nodes) for terms in vector.of(2)) * (high - low)
+    rings = any(g.periodic for g in e.families)
+    if rings or min(shifts) < low or carried > MOST_CARRIED or not _close(e):
+        return 0
+    lag = max(shifts) - low + 1 + (high - low) + added(vector, e)
+    lag = -(-lag // LINE) * LINE
+    return lag if lag <= MOST_LAG else 0
+
+
+def _close(e: LoopEquations) -> bool:
+    """Returns whether all families begin within a constant distance of each other."""
+    return all((g.lo - e.families[0].lo).is_constant for g in e.families)

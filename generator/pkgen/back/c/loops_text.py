@@ -248,7 +248,8 @@ class KernelText:
         below, above = beyond(g, self.e)
         stem, raw = f"{self.name}_{of.name}_{self._id(g)}", "_raw" * (of.finish != "STORE")
         family = self.numbers.families[g.name, self._kind(g)]
-        return f"{{{family}, {below}, {above}, {stem}, {stem}{raw}}}"
+        kick = f"{stem}_kick" if of.kicks else "NULL"
+        return f"{{{family}, {below}, {above}, {stem}, {stem}{raw}, {kick}}}"
 
     def _kind(self, g: Group) -> str:
         return "" if (g.name, "") in self.numbers.families else "lambda"
@@ -276,6 +277,10 @@ class KernelText:
             values.append(text or "0")
         stem = f"static pk_bits {self.name}_{of.name}_{self._id(g)}"
         raw = self._rows(stem + "_raw" * (of.finish != "STORE"), enumerate(values))
+        if of.kicks:
+            a = values[0] if of.finish == "STORE" else f"({values[0]}) / ({values[1]})"
+            body = [f"v[k] += kappa * ({a});", "q[k] += delta * v[k];"]
+            raw += self._kick(f"static void {self.name}_{of.name}_{self._id(g)}_kick", body)
         if of.finish == "STORE":
             return raw
         mass = f"M = {values[-1]}"
@@ -292,6 +297,21 @@ class KernelText:
         text = [f"{stem}({args})", "{", "    ptrdiff_t k;", *["    pk_bits bad = 0;"] * bad, ""]
         text += ["    PK_LANE_LOOP", "    for (k = 0; k < n; k++) {", *_wrapped(lines), "    }"]
         return "\n".join([*text, f"    return {'bad' if bad else 0};", "}", "", ""])
+
+    def _kick(self, stem: str, body: list[str]) -> str:
+        lines = [
+            f"{stem}(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real kappa, pk_real delta,",
+            "    pk_real *q, pk_real *v)",
+            "{",
+            "    ptrdiff_t k;",
+            "",
+            "    PK_LANE_LOOP",
+            "    for (k = 0; k < n; k++) {",
+            *_wrapped(f"        {line}" for line in body),
+            "    }",
+            "}",
+        ]
+        return "\n".join([*lines, "", ""])
 
     # -- matrices -----------------------------------------------------------------------------
 
@@ -329,7 +349,7 @@ class KernelText:
         return f"{{{unknowns[name]}, {at.factor(ROW)}, {shift}, {extra}}}"
 
 
-def _wrapped(lines: list[str]) -> Iterator[str]:
+def _wrapped(lines: Iterable[str]) -> Iterator[str]:
     for line in lines:
         yield textwrap.fill(line, 98, subsequent_indent=" " * 12, break_long_words=False)
 
