@@ -274,7 +274,8 @@ def pair_lines(write: Writer) -> list[tuple[Over, list[EquationLine]]]:
     for x in write.e.force:
         if len(x.over) < 4:
             continue
-        [(name, at)], group = x.to, write.groups[x.to[0][0]]
+        name, at = x.to[0]
+        group = write.groups[name]
         index = None if at is None else write.index(at)
         form = "{}'" if group.is_state else "f[{}]"
         left = form.format(indexed(group.shown, index))

@@ -15,7 +15,7 @@
 #else
 #define PK_PERHAPS
 #endif
-#define PK_BLOCK 512 /* the most members at a time */
+#define PK_BLOCK 512      /* the most members at a time */
 #define PK_MOST_SLOTS 256 /* what terms read, and their values */
 #define PK_LANES_IN_A_ROW 64
 
@@ -26,7 +26,18 @@ struct pk_family {
     int ring, free_below, free_above;
 };
 
-enum pk_array { PK_OF_Q, PK_OF_V, PK_OF_ZERO, PK_OF_A, PK_OF_RATED, PK_OF_P, PK_OF_LETS, PK_OF_LAMBDA, PK_OF_SIDES, PK_ARRAYS };
+enum pk_array {
+    PK_OF_Q,
+    PK_OF_V,
+    PK_OF_ZERO,
+    PK_OF_A,
+    PK_OF_RATED,
+    PK_OF_P,
+    PK_OF_LETS,
+    PK_OF_LAMBDA,
+    PK_OF_SIDES,
+    PK_ARRAYS
+};
 
 /* The state and the model that a kernel is called with. */
 struct pk_members {
@@ -64,29 +75,29 @@ struct pk_terms {
 
 /* PK_TERM(name) begins the function of one member, PK_TERMS(name) defines the loop over it. A
  * PK_SEQUENCE reads what it has written for members before. */
-#define PK_TERM(name)                                                                          \
-    PK_INLINE static pk_bits name##_at(PK_PERHAPS const struct pk_members *x,                  \
-                                       PK_PERHAPS enum pk_pass pass, PK_PERHAPS ptrdiff_t m,   \
-                                       PK_PERHAPS ptrdiff_t j, PK_PERHAPS ptrdiff_t k,         \
+#define PK_TERM(name)                                                                        \
+    PK_INLINE static pk_bits name##_at(PK_PERHAPS const struct pk_members *x,                \
+                                       PK_PERHAPS enum pk_pass pass, PK_PERHAPS ptrdiff_t m, \
+                                       PK_PERHAPS ptrdiff_t j, PK_PERHAPS ptrdiff_t k,       \
                                        PK_PERHAPS const pk_real *const *s, pk_real *const *o)
-#define PK_TERMS_(name, lanes, of_m, of_j)                                                     \
+#define PK_TERMS_(name, lanes, of_m, of_j)                                                       \
     static pk_bits name(const struct pk_members *x, enum pk_pass pass, ptrdiff_t m, ptrdiff_t j, \
-                        ptrdiff_t n, const pk_real *const *s, pk_real *const *o)               \
-    {                                                                                          \
-        pk_bits far = 0;                                                                       \
-        ptrdiff_t k = 0, l;                                                                    \
-        if (pass == PK_CAREFULLY) {                                                            \
-            for (; k < n; k++)                                                                 \
-                (void)name##_at(x, PK_CAREFULLY, m + (of_m) * k, j + (of_j) * k, k, s, o);     \
-            return 0;                                                                          \
-        }                                                                                      \
-        for (; k + PK_LANES_IN_A_ROW <= n; k += PK_LANES_IN_A_ROW) {                           \
-            lanes for (l = k; l < k + PK_LANES_IN_A_ROW; l++) far |=                           \
-                name##_at(x, PK_IN_LANE, m + (of_m) * l, j + (of_j) * l, l, s, o);             \
-        }                                                                                      \
-        for (; k < n; k++)                                                                     \
-            far |= name##_at(x, PK_IN_LANE, m + (of_m) * k, j + (of_j) * k, k, s, o);          \
-        return far;                                                                            \
+                        ptrdiff_t n, const pk_real *const *s, pk_real *const *o)                 \
+    {                                                                                            \
+        pk_bits far = 0;                                                                         \
+        ptrdiff_t k = 0, l;                                                                      \
+        if (pass == PK_CAREFULLY) {                                                              \
+            for (; k < n; k++)                                                                   \
+                (void)name##_at(x, PK_CAREFULLY, m + (of_m) * k, j + (of_j) * k, k, s, o);       \
+            return 0;                                                                            \
+        }                                                                                        \
+        for (; k + PK_LANES_IN_A_ROW <= n; k += PK_LANES_IN_A_ROW) {                             \
+            lanes for (l = k; l < k + PK_LANES_IN_A_ROW; l++)                                    \
+                far |= name##_at(x, PK_IN_LANE, m + (of_m) * l, j + (of_j) * l, l, s, o);        \
+        }                                                                                        \
+        for (; k < n; k++)                                                                       \
+            far |= name##_at(x, PK_IN_LANE, m + (of_m) * k, j + (of_j) * k, k, s, o);            \
+        return far;                                                                              \
     }
 #define PK_TERMS(name) PK_TERMS_(name, PK_LANE_LOOP, 1, 0)
 #define PK_PAIRS(name) PK_TERMS_(name, PK_LANE_LOOP, 0, 1)
@@ -94,15 +105,9 @@ struct pk_terms {
 
 static const pk_real pk_zeros[PK_BLOCK] = {0};
 
-PK_INLINE static ptrdiff_t pk_most(ptrdiff_t a, ptrdiff_t b)
-{
-    return a > b ? a : b;
-}
+PK_INLINE static ptrdiff_t pk_most(ptrdiff_t a, ptrdiff_t b) { return a > b ? a : b; }
 
-PK_INLINE static ptrdiff_t pk_least(ptrdiff_t a, ptrdiff_t b)
-{
-    return a < b ? a : b;
-}
+PK_INLINE static ptrdiff_t pk_least(ptrdiff_t a, ptrdiff_t b) { return a < b ? a : b; }
 
 /* The range of a family: number of the first member in arrays, least and greatest index. */
 PK_INLINE static const ptrdiff_t *pk_range_of_family(const struct pk_members *x, int family)
@@ -127,14 +132,15 @@ PK_PERHAPS static ptrdiff_t pk_home(const struct pk_members *x, int family, ptrd
     return i - of->free_above <= hi ? hi : lo - 1;
 }
 
-PK_PERHAPS static ptrdiff_t pk_index(const struct pk_members *x, const struct pk_slot *of, ptrdiff_t m,
-                          ptrdiff_t j)
+PK_PERHAPS static ptrdiff_t pk_index(const struct pk_members *x, const struct pk_slot *of,
+                                     ptrdiff_t m, ptrdiff_t j)
 {
     return of->of_m * m + of->of_j * j + of->shift + (of->extra ? x->at[of->extra] : 0);
 }
 
 /* The value of a slot at m, j. */
-PK_PERHAPS static pk_real pk_read(const struct pk_members *x, const struct pk_slot *of, ptrdiff_t m, ptrdiff_t j)
+PK_PERHAPS static pk_real pk_read(const struct pk_members *x, const struct pk_slot *of, ptrdiff_t m,
+                                  ptrdiff_t j)
 {
     const ptrdiff_t *range = pk_range_of_family(x, of->family);
     ptrdiff_t i = pk_index(x, of, m, j);
@@ -149,8 +155,8 @@ PK_PERHAPS static pk_real pk_read(const struct pk_members *x, const struct pk_sl
 }
 
 /* Writes the values of the member m, or of the pair m, j, to o[0][k], o[1][k], ... */
-PK_PERHAPS static void pk_one(const struct pk_members *x, const struct pk_terms *of, ptrdiff_t m, ptrdiff_t j,
-                   ptrdiff_t k, pk_real *const *o)
+PK_PERHAPS static void pk_one(const struct pk_members *x, const struct pk_terms *of, ptrdiff_t m,
+                              ptrdiff_t j, ptrdiff_t k, pk_real *const *o)
 {
     pk_real read[PK_MOST_SLOTS], *to[PK_MOST_SLOTS];
     const pk_real *s[PK_MOST_SLOTS];
@@ -167,7 +173,8 @@ PK_PERHAPS static void pk_one(const struct pk_members *x, const struct pk_terms 
 }
 
 /* Narrows lo .. hi to those m at which the slot is a member itself: nothing is beyond an end. */
-PK_PERHAPS static void pk_inside(const struct pk_members *x, const struct pk_slot *of, ptrdiff_t *lo, ptrdiff_t *hi)
+PK_PERHAPS static void pk_inside(const struct pk_members *x, const struct pk_slot *of,
+                                 ptrdiff_t *lo, ptrdiff_t *hi)
 {
     const ptrdiff_t *range = pk_range_of_family(x, of->family);
     const ptrdiff_t shift = pk_index(x, of, 0, 0);
@@ -184,8 +191,8 @@ PK_PERHAPS static void pk_inside(const struct pk_members *x, const struct pk_slo
 }
 
 /* Writes the values of the members from .. to - 1, at most PK_BLOCK, to o[..][0], o[..][1], ... */
-PK_PERHAPS static void pk_evaluate(const struct pk_members *x, const struct pk_terms *of, ptrdiff_t from,
-                        ptrdiff_t to, pk_real *const *o)
+PK_PERHAPS static void pk_evaluate(const struct pk_members *x, const struct pk_terms *of,
+                                   ptrdiff_t from, ptrdiff_t to, pk_real *const *o)
 {
     ptrdiff_t lo = from, hi = to - 1, m;
     pk_real *into[PK_MOST_SLOTS];
@@ -201,7 +208,9 @@ PK_PERHAPS static void pk_evaluate(const struct pk_members *x, const struct pk_t
     for (i = 0; i < of->n_slots; i++) {
         const struct pk_slot *slot = of->slots + i;
         const ptrdiff_t *range = pk_range_of_family(x, slot->family);
-        s[i] = slot->array == PK_OF_ZERO ? pk_zeros : x->arrays[slot->array] + range[0] + pk_index(x, slot, lo, 0) - range[1];
+        s[i] = slot->array == PK_OF_ZERO
+                   ? pk_zeros
+                   : x->arrays[slot->array] + range[0] + pk_index(x, slot, lo, 0) - range[1];
     }
     for (i = 0; i < of->n_values; i++)
         into[i] = o[i] + (lo - from);
@@ -218,7 +227,8 @@ PK_PERHAPS static void pk_evaluate(const struct pk_members *x, const struct pk_t
  * and `least` behind. raw() is the same before a division. Both return nonzero where a mass is not
  * positive. */
 typedef pk_bits pk_rows(const pk_real *e, ptrdiff_t n, pk_real *const *out);
-typedef void pk_kick(const pk_real *e, ptrdiff_t n, pk_real kappa, pk_real delta, pk_real *q, pk_real *v);
+typedef void pk_kick(const pk_real *e, ptrdiff_t n, pk_real kappa, pk_real delta, pk_real *q,
+                     pk_real *v);
 struct pk_row_set {
     int family, below, above; /* indices beyond the ends that terms reach */
     pk_rows *rows, *raw;
@@ -241,7 +251,7 @@ struct pk_vector {
     const int *scalars;             /* families of one member */
     const struct pk_goal *goals[3]; /* of terms, of singles, of pairs */
     enum pk_finish finish;
-    int outputs;                   /* of raw() */
+    int outputs;                         /* of raw() */
     ptrdiff_t chunk, least, most, width; /* terms of m reach rows m + least .. m + most */
 };
 
@@ -252,14 +262,14 @@ struct pk_addition {
     pk_real value;
 };
 
-#define PK_MOST_ADDITIONS 64
+#define PK_MOST_ADDITIONS 256
 #define PK_MOST_OUTPUTS 8
-#define PK_MOST_SCALARS 64
+#define PK_MOST_SCALARS 256
 
 /* Writes the values of all terms for the rows from .. from + n - 1: number r of member m to
  * e[r * width + most + m - from]. The first `known` ones are there already. */
-PK_PERHAPS static void pk_fill(const struct pk_members *x, const struct pk_vector *of, ptrdiff_t from,
-                    ptrdiff_t n, ptrdiff_t known, pk_real *e)
+PK_PERHAPS static void pk_fill(const struct pk_members *x, const struct pk_vector *of,
+                               ptrdiff_t from, ptrdiff_t n, ptrdiff_t known, pk_real *e)
 {
     const ptrdiff_t first = from - of->most, begin = first + known, end = from + n - of->least;
     pk_real *o[PK_MOST_SLOTS];
@@ -285,7 +295,7 @@ PK_PERHAPS static void pk_fill(const struct pk_members *x, const struct pk_vecto
 
 /* Computes one row before a division. */
 PK_PERHAPS static void pk_raw_row(const struct pk_members *x, const struct pk_vector *of,
-                       const struct pk_row_set *set, ptrdiff_t i, pk_real *e, pk_real *r)
+                                  const struct pk_row_set *set, ptrdiff_t i, pk_real *e, pk_real *r)
 {
     pk_real *out[PK_MOST_OUTPUTS];
     int k;
@@ -298,8 +308,9 @@ PK_PERHAPS static void pk_raw_row(const struct pk_members *x, const struct pk_ve
 
 /* Finds what single terms and members beyond the ends add to the rows begin .. end - 1, and to
  * scalars. */
-PK_PERHAPS static int pk_additions(const struct pk_members *x, const struct pk_vector *of, pk_real *e,
-                        struct pk_addition *found, pk_real *scalars, ptrdiff_t begin, ptrdiff_t end)
+PK_PERHAPS static int pk_additions(const struct pk_members *x, const struct pk_vector *of,
+                                   pk_real *e, struct pk_addition *found, pk_real *scalars,
+                                   ptrdiff_t begin, ptrdiff_t end)
 {
     pk_real values[PK_MOST_SLOTS], r[PK_MOST_OUTPUTS], *o[PK_MOST_SLOTS];
     int g, k, n = 0, count = 0;
@@ -353,7 +364,8 @@ PK_PERHAPS static int pk_additions(const struct pk_members *x, const struct pk_v
     return count;
 }
 
-PK_PERHAPS static pk_bits pk_finished(enum pk_finish how, const pk_real *r, pk_real *const *out, int outputs)
+PK_PERHAPS static pk_bits pk_finished(enum pk_finish how, const pk_real *r, pk_real *const *out,
+                                      int outputs)
 {
     int k;
 
@@ -387,8 +399,9 @@ PK_PERHAPS static pk_real pk_whole(const pk_real *s)
 /* Computes the rows from .. to - 1 of a set, whose values of terms are e (see pk_fill), into out[k]
  * + 0, 1, ... */
 PK_PERHAPS static pk_bits pk_some_rows(const struct pk_vector *of, const struct pk_row_set *set,
-                            ptrdiff_t from, ptrdiff_t to, const pk_real *e,
-                            const struct pk_addition *added, int n_added, pk_real *const *out)
+                                       ptrdiff_t from, ptrdiff_t to, const pk_real *e,
+                                       const struct pk_addition *added, int n_added,
+                                       pk_real *const *out)
 {
     pk_real r[PK_MOST_OUTPUTS], *at[PK_MOST_OUTPUTS];
     const int finished = of->finish == PK_STORE ? of->outputs : 1;
@@ -422,8 +435,8 @@ PK_PERHAPS static pk_bits pk_some_rows(const struct pk_vector *of, const struct 
 
 /* Computes a vector of all members; e has room for n_values * width numbers. Returns nonzero where
  * a mass is not positive. With `v` the vector is an acceleration a, and v += h a. */
-PK_PERHAPS static pk_bits pk_compute(const struct pk_members *x, const struct pk_vector *of, pk_real *e,
-                          pk_real *const *out, pk_real *v, pk_real h)
+PK_PERHAPS static pk_bits pk_compute(const struct pk_members *x, const struct pk_vector *of,
+                                     pk_real *e, pk_real *const *out, pk_real *v, pk_real h)
 {
     struct pk_addition added[PK_MOST_ADDITIONS];
     pk_real scalars[PK_MOST_SCALARS], sums[PK_MOST_SCALARS][8], a[PK_BLOCK];
@@ -524,8 +537,8 @@ PK_PERHAPS static void pk_evaluate_pairs(const struct pk_members *x, const struc
 }
 
 /* Adds the values of pairs to a vector; e has room for those of one term, PK_BLOCK pairs each. */
-PK_PERHAPS static void pk_add_pairs(const struct pk_members *x, const struct pk_vector *of, pk_real *e,
-                                    pk_real *const *out)
+PK_PERHAPS static void pk_add_pairs(const struct pk_members *x, const struct pk_vector *of,
+                                    pk_real *e, pk_real *const *out)
 {
     pk_real *o[PK_MOST_SLOTS];
     int g, k, first, next = 0;
@@ -543,7 +556,8 @@ PK_PERHAPS static void pk_add_pairs(const struct pk_members *x, const struct pk_
                 for (next = first; next < of->n_goals[2] && of->goals[2][next].terms == g; next++) {
                     const struct pk_goal *goal = of->goals[2] + next;
                     const ptrdiff_t *range = pk_range_of_family(x, goal->to.family);
-                    pk_real *to = out[goal->output] + range[0] + pk_index(x, &goal->to, m, j) - range[1];
+                    pk_real *to = out[goal->output] + range[0] + pk_index(x, &goal->to, m, j) -
+                                  range[1];
                     const pk_real *from = o[goal->value];
                     pk_real eight[8] = {0};
                     if (goal->to.of_j) {
@@ -561,7 +575,8 @@ PK_PERHAPS static void pk_add_pairs(const struct pk_members *x, const struct pk_
 }
 
 /* The sum of all values of some terms, with one value each; e has room for PK_BLOCK numbers. */
-PK_PERHAPS static pk_real pk_total(const struct pk_members *x, const struct pk_terms *of, int count, pk_real *e)
+PK_PERHAPS static pk_real pk_total(const struct pk_members *x, const struct pk_terms *of, int count,
+                                   pk_real *e)
 {
     pk_real eight[8] = {0};
     ptrdiff_t m, j, n, left;
@@ -585,7 +600,8 @@ PK_PERHAPS static pk_real pk_total(const struct pk_members *x, const struct pk_t
 
 /* Writes the values of some terms, each with one for each member or pair, one behind the other.
  * With `out` NULL it only counts them. */
-PK_PERHAPS static size_t pk_list(const struct pk_members *x, const struct pk_terms *of, int count, pk_real *out)
+PK_PERHAPS static size_t pk_list(const struct pk_members *x, const struct pk_terms *of, int count,
+                                 pk_real *out)
 {
     size_t found = 0;
     ptrdiff_t m, j, n, left;
@@ -612,7 +628,8 @@ PK_PERHAPS static size_t pk_list(const struct pk_members *x, const struct pk_ter
 }
 
 /* Which member, or pair, value number k of pk_list() is of. */
-PK_PERHAPS static void pk_listed(const struct pk_members *x, const struct pk_terms *of, size_t k, ptrdiff_t *i, ptrdiff_t *j)
+PK_PERHAPS static void pk_listed(const struct pk_members *x, const struct pk_terms *of, size_t k,
+                                 ptrdiff_t *i, ptrdiff_t *j)
 {
     const size_t count = (size_t)pk_most(0, x->at[of->over + 1] + 1 - x->at[of->over]);
 
@@ -632,8 +649,8 @@ PK_PERHAPS static void pk_listed(const struct pk_members *x, const struct pk_ter
 /* Writes the values of sequences, from the first member to the last. to[g][r] is where value r of
  * the first member of terms g goes; others follow. With `mutual` terms read what others have for
  * members before, so that all go on together. */
-PK_PERHAPS static void pk_run_along(const struct pk_members *x, const struct pk_terms *of, int count,
-                                    pk_real *const *const *to, int mutual)
+PK_PERHAPS static void pk_run_along(const struct pk_members *x, const struct pk_terms *of,
+                                    int count, pk_real *const *const *to, int mutual)
 {
     pk_real *o[PK_MOST_SLOTS];
     ptrdiff_t lo = PTRDIFF_MAX, hi = PTRDIFF_MIN, from, m, n;
@@ -646,7 +663,8 @@ PK_PERHAPS static void pk_run_along(const struct pk_members *x, const struct pk_
     for (from = lo; from <= hi; from = mutual ? from + 1 : hi + 1)
         for (g = 0; g < count; g++) {
             const ptrdiff_t first = x->at[of[g].over];
-            const ptrdiff_t last = mutual ? pk_least(from, x->at[of[g].over + 1]) : x->at[of[g].over + 1];
+            const ptrdiff_t last = mutual ? pk_least(from, x->at[of[g].over + 1])
+                                          : x->at[of[g].over + 1];
             for (m = pk_most(first, from); m <= last; m += n) {
                 n = pk_least(PK_BLOCK, last + 1 - m);
                 for (r = 0; r < of[g].n_values; r++)

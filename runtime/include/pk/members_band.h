@@ -37,7 +37,8 @@ struct pk_places {
     ptrdiff_t base, span, places, banded, all;
 };
 
-PK_PERHAPS static int pk_wrapped(const struct pk_members *x, const struct pk_unknown *of, ptrdiff_t i)
+PK_PERHAPS static int pk_wrapped(const struct pk_members *x, const struct pk_unknown *of,
+                                 ptrdiff_t i)
 {
     int k;
 
@@ -47,7 +48,8 @@ PK_PERHAPS static int pk_wrapped(const struct pk_members *x, const struct pk_unk
     return 0;
 }
 
-PK_PERHAPS static struct pk_places pk_places_of(const struct pk_members *x, const struct pk_layout *of)
+PK_PERHAPS static struct pk_places pk_places_of(const struct pk_members *x,
+                                                const struct pk_layout *of)
 {
     struct pk_places p = {of, PTRDIFF_MAX, 0, 0, 0, 0};
     ptrdiff_t top = PTRDIFF_MIN, ring = PTRDIFF_MAX, count = 0;
@@ -68,7 +70,8 @@ PK_PERHAPS static struct pk_places pk_places_of(const struct pk_members *x, cons
         const ptrdiff_t hi = pk_range_of_family(x, u->family)[2];
         count = pk_most(count, hi + u->ahead - p.base + 1 + (pk_wrapped(x, u, hi) ? p.span : 0));
         for (c = 0; c < u->n_wraps; c++)
-            count = pk_most(count, pk_least(hi, x->at[u->wraps + c] - 1) + u->ahead + p.span - p.base + 1);
+            count = pk_most(count,
+                            pk_least(hi, x->at[u->wraps + c] - 1) + u->ahead + p.span - p.base + 1);
     }
     p.places = pk_most(count, p.span) * of->slots;
     p.banded = p.places;
@@ -79,7 +82,8 @@ PK_PERHAPS static struct pk_places pk_places_of(const struct pk_members *x, cons
 }
 
 /* The place of an unknown at index i; -1 if it is given. */
-PK_PERHAPS static ptrdiff_t pk_place(const struct pk_members *x, const struct pk_places *p, int unknown, ptrdiff_t i)
+PK_PERHAPS static ptrdiff_t pk_place(const struct pk_members *x, const struct pk_places *p,
+                                     int unknown, ptrdiff_t i)
 {
     const struct pk_unknown *u = p->of->unknowns + unknown;
 
@@ -93,29 +97,59 @@ PK_PERHAPS static ptrdiff_t pk_place(const struct pk_members *x, const struct pk
     return (i + u->ahead + (pk_wrapped(x, u, i) ? p->span : 0) - p->base) * p->of->slots + unknown;
 }
 
-/* What is in place i: the number of a coordinate; -2 - k for row k of constraints; -2 for another
- * unknown, or -1 for none. */
-PK_PERHAPS static ptrdiff_t pk_in_place(const struct pk_members *x, const struct pk_places *p, ptrdiff_t i)
+/* A walk over all places: the place, its unknown, and the index there. */
+struct pk_walk {
+    ptrdiff_t i, m;
+    int unknown;
+};
+
+PK_PERHAPS static struct pk_walk pk_walk_at(const struct pk_places *p, ptrdiff_t i)
 {
-    const int slots = p->of->slots, unknown = (int)(i < p->places ? i % slots : i - p->places + slots);
-    const struct pk_unknown *u = p->of->unknowns + unknown;
+    const ptrdiff_t slots = p->of->slots;
+    struct pk_walk at = {i, p->base, (int)(slots + i - p->places)};
+    if (i < p->places) {
+        at.m += i / slots;
+        at.unknown = (int)(i % slots);
+    }
+    return at;
+}
+
+PK_INLINE static void pk_walk_on(const struct pk_places *p, struct pk_walk *at)
+{
+    at->unknown++;
+    if (++at->i <= p->places && at->unknown == p->of->slots) {
+        at->m++;
+        at->unknown = at->i < p->places ? 0 : p->of->slots;
+    }
+}
+
+/* What is in a place: the number of a coordinate; -2 - k for row k of constraints; -2 for another
+ * unknown, or -1 for none. */
+PK_INLINE static ptrdiff_t pk_there(const struct pk_members *x, const struct pk_places *p,
+                                    struct pk_walk at)
+{
+    const struct pk_unknown *u = p->of->unknowns + at.unknown;
     const ptrdiff_t *range = pk_range_of_family(x, u->family);
     ptrdiff_t m = range[1];
 
-    if (u->kind == PK_NONE && (unknown >= slots || !p->of->carried))
-        return -1;
-    if (unknown < slots) {
-        m = p->base + i / slots - u->ahead;
-        if (u->n_wraps && (m > range[2] || m < range[1] || pk_wrapped(x, u, m)))
-            m -= p->span;
-        if (m < range[1] || m > range[2] || (u->n_wraps && pk_place(x, p, unknown, m) != i))
-            return -1;
-    }
     if (u->kind == PK_NONE)
         return -1;
+    if (at.unknown < p->of->slots) {
+        m = at.m - u->ahead;
+        if (u->n_wraps && (m > range[2] || m < range[1] || pk_wrapped(x, u, m)))
+            m -= p->span;
+        if (m < range[1] || m > range[2] || (u->n_wraps && pk_place(x, p, at.unknown, m) != at.i))
+            return -1;
+    }
     if (u->kind == PK_OTHER)
         return -2;
     return u->kind == PK_ROW ? -2 - (range[0] + m - range[1]) : range[0] + m - range[1];
+}
+
+PK_PERHAPS static ptrdiff_t pk_in_place(const struct pk_members *x, const struct pk_places *p,
+                                        ptrdiff_t i)
+{
+    return pk_there(x, p, pk_walk_at(p, i));
 }
 
 /* -- entries ---------------------------------------------------------------------------------- */
@@ -151,13 +185,15 @@ struct pk_into {
     pk_real *out, *matrices[3];
 };
 
-PK_PERHAPS static ptrdiff_t pk_cell_index(const struct pk_members *x, const struct pk_cell *of, ptrdiff_t m)
+PK_PERHAPS static ptrdiff_t pk_cell_index(const struct pk_members *x, const struct pk_cell *of,
+                                          ptrdiff_t m)
 {
     return of->of_m * m + of->shift + (of->extra ? x->at[of->extra] : 0);
 }
 
 /* The number of a coordinate, or of a row of constraints; -1 if it is given. */
-PK_PERHAPS static ptrdiff_t pk_number(const struct pk_members *x, const struct pk_places *p, int unknown, ptrdiff_t i)
+PK_PERHAPS static ptrdiff_t pk_number(const struct pk_members *x, const struct pk_places *p,
+                                      int unknown, ptrdiff_t i)
 {
     const struct pk_unknown *u = p->of->unknowns + unknown;
     const ptrdiff_t *range = pk_range_of_family(x, u->family);
@@ -169,7 +205,8 @@ PK_PERHAPS static ptrdiff_t pk_number(const struct pk_members *x, const struct p
     return i < range[1] ? -1 : range[0] + i - range[1];
 }
 
-PK_PERHAPS static void pk_to_band(const struct pk_places *p, pk_real *A, ptrdiff_t i, ptrdiff_t j, pk_real x)
+PK_PERHAPS static void pk_to_band(const struct pk_places *p, pk_real *A, ptrdiff_t i, ptrdiff_t j,
+                                  pk_real x)
 {
     const ptrdiff_t rows = p->banded, width = p->of->width, border = p->all - rows;
     const ptrdiff_t right = rows * (2 * width + 1);
@@ -187,8 +224,8 @@ PK_PERHAPS static void pk_to_band(const struct pk_places *p, pk_real *A, ptrdiff
 /* Narrows the members m + lo .. m + hi - 1 to those at which a cell is a member itself, in the band;
  * *place is its place at m, and steps by the slots. */
 PK_PERHAPS static void pk_straight(const struct pk_members *x, const struct pk_places *p,
-                                   const struct pk_cell *of, ptrdiff_t m, ptrdiff_t *lo, ptrdiff_t *hi,
-                                   ptrdiff_t *place)
+                                   const struct pk_cell *of, ptrdiff_t m, ptrdiff_t *lo,
+                                   ptrdiff_t *hi, ptrdiff_t *place)
 {
     const struct pk_unknown *u = p->of->unknowns + of->unknown;
     const ptrdiff_t *range = pk_range_of_family(x, u->family), i = pk_cell_index(x, of, m);
@@ -204,7 +241,8 @@ PK_PERHAPS static void pk_straight(const struct pk_members *x, const struct pk_p
 }
 
 /* Adds x at places that are a step apart. */
-PK_PERHAPS static void pk_add_steps(pk_real *to, ptrdiff_t step, ptrdiff_t n, pk_real sign, const pk_real *x)
+PK_PERHAPS static void pk_add_steps(pk_real *to, ptrdiff_t step, ptrdiff_t n, pk_real sign,
+                                    const pk_real *x)
 {
     ptrdiff_t c;
 
@@ -239,11 +277,12 @@ PK_PERHAPS static void pk_scatter(const struct pk_members *x, const struct pk_pl
                 pk_straight(x, p, &entry->row, m, &lo, &hi, &of_row);
                 pk_straight(x, p, &entry->column, m, &lo, &hi, &of_column);
                 if (lo < hi && to->use == PK_TO_BANDS)
-                    pk_add_steps(to->matrices[entry->output] + of_row * (2 * width + 1) + of_column - of_row + width +
-                                     lo * slots * (2 * width + 1),
+                    pk_add_steps(to->matrices[entry->output] + of_row * (2 * width + 1) +
+                                     of_column - of_row + width + lo * slots * (2 * width + 1),
                                  slots * (2 * width + 1), hi - lo, sign, value + lo);
                 else if (lo < hi && (to->use == PK_TO_K || of_row >= of_column))
-                    pk_add_steps(pk_ldl_entry(&to->A, pk_most(of_row, of_column) + lo * slots, pk_least(of_row, of_column) + lo * slots),
+                    pk_add_steps(pk_ldl_entry(&to->A, pk_most(of_row, of_column) + lo * slots,
+                                              pk_least(of_row, of_column) + lo * slots),
                                  slots * to->A.apart, hi - lo, sign, value + lo);
                 for (c = 0; c < n; c++) {
                     ptrdiff_t row, column, i, j;
@@ -309,24 +348,26 @@ PK_PERHAPS static void pk_inertia(const struct pk_members *x, const struct pk_pl
                                   const struct pk_matrix *mass, pk_real *e, pk_real *M)
 {
     const size_t size = pk_matrix_size(p);
-    struct pk_into to = {PK_TO_M, {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL}, NULL, NULL, {NULL, NULL, NULL}};
-    ptrdiff_t i;
+    struct pk_into to = {
+        PK_TO_M, {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL}, NULL, NULL, {NULL, NULL, NULL}};
+    struct pk_walk at = pk_walk_at(p, 0);
     size_t k;
 
     to.A = pk_lower(p, M);
     for (k = 0; k < size; k++)
         M[k] = 0;
-    for (i = 0; i < p->all; i++)
-        if (pk_in_place(x, p, i) < 0)
-            *pk_ldl_entry(&to.A, i, i) = 1;
+    for (; at.i < p->all; pk_walk_on(p, &at))
+        if (pk_there(x, p, at) < 0)
+            *pk_ldl_entry(&to.A, at.i, at.i) = 1;
     pk_scatter(x, p, mass, e, &to);
 }
 
 /* Adds the entries of J to K; clears the diagonal of its rows. */
-PK_PERHAPS static void pk_tie(const struct pk_members *x, const struct pk_places *p, const struct pk_matrix *J,
-                              pk_real *e, pk_real *K)
+PK_PERHAPS static void pk_tie(const struct pk_members *x, const struct pk_places *p,
+                              const struct pk_matrix *J, pk_real *e, pk_real *K)
 {
-    struct pk_into to = {PK_TO_K, {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL}, NULL, NULL, {NULL, NULL, NULL}};
+    struct pk_into to = {
+        PK_TO_K, {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL}, NULL, NULL, {NULL, NULL, NULL}};
     int k;
 
     to.A = pk_lower(p, K);
@@ -337,7 +378,8 @@ PK_PERHAPS static void pk_tie(const struct pk_members *x, const struct pk_places
         if (k && entry[-1].terms == entry->terms && entry[-1].row.unknown == entry->row.unknown)
             continue;
         for (m = x->at[over]; m <= x->at[over + 1]; m++) {
-            const ptrdiff_t i = pk_place(x, p, entry->row.unknown, pk_cell_index(x, &entry->row, m));
+            const ptrdiff_t i =
+                pk_place(x, p, entry->row.unknown, pk_cell_index(x, &entry->row, m));
             *pk_ldl_entry(&to.A, i, i) = 0;
         }
     }
@@ -362,7 +404,8 @@ PK_PERHAPS static pk_real pk_by_scalars(const struct pk_members *x, const struct
 
 /* The coordinate to name for an unknown that may be carried: one at its place, or the last before
  * it. Coordinates are numbered before carried values, from `count` on. */
-PK_PERHAPS static ptrdiff_t pk_moved(const struct pk_members *x, const struct pk_places *p, ptrdiff_t count, ptrdiff_t i)
+PK_PERHAPS static ptrdiff_t pk_moved(const struct pk_members *x, const struct pk_places *p,
+                                     ptrdiff_t count, ptrdiff_t i)
 {
     const ptrdiff_t slots = p->of->slots, last = i < p->places ? i - i % slots + slots : i + 1;
     ptrdiff_t j, own;
@@ -377,7 +420,8 @@ PK_PERHAPS static ptrdiff_t pk_moved(const struct pk_members *x, const struct pk
 }
 
 /* The diagonal entry of J M^-1 J^T for one constraint row, without the other rows. */
-PK_PERHAPS static pk_real pk_norm(const struct pk_members *x, const struct pk_places *p, const struct pk_ldl *A, ptrdiff_t i)
+PK_PERHAPS static pk_real pk_norm(const struct pk_members *x, const struct pk_places *p,
+                                  const struct pk_ldl *A, ptrdiff_t i)
 {
     pk_real sum = 0;
     ptrdiff_t j;
@@ -398,19 +442,21 @@ PK_PERHAPS static pk_real pk_norm(const struct pk_members *x, const struct pk_pl
  * becomes d - s then, and z with s x - s z = 0 is one more unknown, behind all: what K x lacks is s
  * z. The pivot of z is -s t / (s + t), where t is the row's own behind all others. `spared` has the
  * place of the row for each such z. */
-PK_PERHAPS static int pk_factored(const struct pk_members *x, const struct pk_places *p, ptrdiff_t count,
-                                  pk_real *K, pk_real *spared, pk_real *pivots, pk_real *norms)
+PK_PERHAPS static int pk_factored(const struct pk_members *x, const struct pk_places *p,
+                                  ptrdiff_t count, pk_real *K, pk_real *spared, pk_real *pivots,
+                                  pk_real *norms)
 {
     const struct pk_ldl A = pk_lower(p, K);
     const int spares = p->of->spares, carried = p->of->carried;
     const ptrdiff_t all = p->all;
+    struct pk_walk walk = pk_walk_at(p, 0);
     ptrdiff_t i, used = 0;
 
     for (i = 0; i < spares; i++)
         spared[i] = -1;
-    for (i = 0; i < all; i++) {
+    for (i = 0; i < all; pk_walk_on(p, &walk), i++) {
         const pk_real diagonal = *pk_ldl_entry(&A, i, i);
-        const ptrdiff_t own = pk_in_place(x, p, i), row = -2 - own, spare = i - all + spares;
+        const ptrdiff_t own = pk_there(x, p, walk), row = -2 - own, spare = i - all + spares;
         pk_real added, pivot = pk_ldl_pivot(&A, i, &added);
         if (carried && diagonal == 0 && own == -1 && spare < 0) {
             if (!(pivot < 0))
@@ -448,30 +494,32 @@ PK_PERHAPS static int pk_factored(const struct pk_members *x, const struct pk_pl
 
 /* Solves M d - J^T mu = f, J d = r, for factored K; f NULL means 0; r and mu are not used without
  * rows. z has room for all unknowns. */
-PK_PERHAPS static void pk_solved(const struct pk_members *x, const struct pk_places *p, ptrdiff_t count, pk_real *K,
-                                 pk_real *z, const pk_real *f, const pk_real *r, pk_real *d, pk_real *mu)
+PK_PERHAPS static void pk_solved(const struct pk_members *x, const struct pk_places *p,
+                                 ptrdiff_t count, pk_real *K, pk_real *z, const pk_real *f,
+                                 const pk_real *r, pk_real *d, pk_real *mu)
 {
     const struct pk_ldl A = pk_lower(p, K);
-    ptrdiff_t i;
+    struct pk_walk at = pk_walk_at(p, 0);
 
-    for (i = 0; i < p->all; i++) {
-        const ptrdiff_t own = pk_in_place(x, p, i);
-        z[i] = own >= 0 ? (f ? f[own] : 0) : own < -1 ? r[-2 - own] : 0;
+    for (; at.i < p->all; pk_walk_on(p, &at)) {
+        const ptrdiff_t own = pk_there(x, p, at);
+        z[at.i] = own >= 0 ? (f ? f[own] : 0) : own < -1 ? r[-2 - own] : 0;
     }
     pk_ldl_substitute(&A, z);
-    for (i = 0; i < p->all; i++) {
-        const ptrdiff_t own = pk_in_place(x, p, i);
+    for (at = pk_walk_at(p, 0); at.i < p->all; pk_walk_on(p, &at)) {
+        const ptrdiff_t own = pk_there(x, p, at);
         if (own >= 0 && own < count)
-            d[own] = z[i];
+            d[own] = z[at.i];
         else if (own < -1)
-            mu[-2 - own] = -z[i];
+            mu[-2 - own] = -z[at.i];
     }
 }
 
 /* For the row of constraints that had no pivot: L^T z = its unit vector, so that K z = 0. Writes
  * the coefficients of the rows, that of the row itself 1. */
-PK_PERHAPS static void pk_shares(const struct pk_members *x, const struct pk_places *p, pk_real *K, pk_real *z,
-                                 const pk_real *spared, ptrdiff_t rows, ptrdiff_t row, pk_real *out)
+PK_PERHAPS static void pk_shares(const struct pk_members *x, const struct pk_places *p, pk_real *K,
+                                 pk_real *z, const pk_real *spared, ptrdiff_t rows, ptrdiff_t row,
+                                 pk_real *out)
 {
     const struct pk_ldl A = pk_lower(p, K);
     ptrdiff_t i, last = 0;
@@ -501,8 +549,8 @@ PK_PERHAPS static void pk_shares(const struct pk_members *x, const struct pk_pla
 }
 
 /* D of M = L D L^T by coordinate: 0 where it is not positive, behind that the diagonal of M. */
-PK_PERHAPS static void pk_pivots(const struct pk_members *x, const struct pk_places *p, ptrdiff_t count, pk_real *K,
-                                 int failed, pk_real *out)
+PK_PERHAPS static void pk_pivots(const struct pk_members *x, const struct pk_places *p,
+                                 ptrdiff_t count, pk_real *K, int failed, pk_real *out)
 {
     const struct pk_ldl A = pk_lower(p, K);
     ptrdiff_t i;
@@ -522,12 +570,15 @@ PK_PERHAPS static void pk_pivots(const struct pk_members *x, const struct pk_pla
 
 /* Writes matrices in bands, with 1 on the diagonal of the first where no unknown is, or with
  * `only_rates` where no coordinate is. */
-PK_PERHAPS static void pk_bands(const struct pk_members *x, const struct pk_places *p, const struct pk_matrix *of,
-                                pk_real *e, int ones, int n, pk_real *a, pk_real *b, pk_real *c)
+PK_PERHAPS static void pk_bands(const struct pk_members *x, const struct pk_places *p,
+                                const struct pk_matrix *of, pk_real *e, int ones, int n, pk_real *a,
+                                pk_real *b, pk_real *c)
 {
     const ptrdiff_t border = p->all - p->banded;
     const ptrdiff_t size = p->banded * (2 * p->of->width + 1) + (2 * p->banded + border) * border;
-    struct pk_into to = {PK_TO_BANDS, {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL}, NULL, NULL, {NULL, NULL, NULL}};
+    struct pk_into to = {
+        PK_TO_BANDS, {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL}, NULL, NULL, {NULL, NULL, NULL}};
+    struct pk_walk at;
     ptrdiff_t i;
     int k;
 
@@ -535,10 +586,10 @@ PK_PERHAPS static void pk_bands(const struct pk_members *x, const struct pk_plac
     for (k = 0; k < n; k++)
         for (i = 0; i < size; i++)
             to.matrices[k][i] = 0;
-    for (i = 0; ones && i < p->all; i++) {
-        const ptrdiff_t own = pk_in_place(x, p, i);
+    for (at = pk_walk_at(p, 0); ones && at.i < p->all; pk_walk_on(p, &at)) {
+        const ptrdiff_t own = pk_there(x, p, at);
         if (own == -1 || (ones > 1 && own < 0))
-            pk_to_band(p, a, i, i, 1);
+            pk_to_band(p, a, at.i, at.i, 1);
     }
     pk_scatter(x, p, of, e, &to);
 }

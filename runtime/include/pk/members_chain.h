@@ -31,8 +31,8 @@ PK_PERHAPS static int pk_made_row(const struct pk_members *x, const struct pk_pl
 }
 
 /* The least and the greatest index of the rows of some matrices. */
-PK_PERHAPS static void pk_made_range(const struct pk_members *x, const struct pk_matrix *of, ptrdiff_t *lo,
-                                     ptrdiff_t *hi)
+PK_PERHAPS static void pk_made_range(const struct pk_members *x, const struct pk_matrix *of,
+                                     ptrdiff_t *lo, ptrdiff_t *hi)
 {
     int k;
 
@@ -79,7 +79,8 @@ PK_PERHAPS static void pk_made(const struct pk_members *x, const struct pk_place
                 *pk_ldl_entry(&A, pk_most(row, c[i]), pk_least(row, c[i])) += r[i];
                 for (j = 0; j <= i; j++)
                     if (c[j] >= 0)
-                        *pk_ldl_entry(&A, pk_most(c[i], c[j]), pk_least(c[i], c[j])) += weight * r[i] * r[j];
+                        *pk_ldl_entry(&A, pk_most(c[i], c[j]), pk_least(c[i], c[j])) += weight *
+                                                                                        r[i] * r[j];
             }
         }
 }
@@ -116,7 +117,8 @@ PK_PERHAPS static void pk_spread_over(const struct pk_members *x, const struct p
 
 /* Takes unknown i = c[0] out of M, where it stands for sum -r[k] c[k]: its row and column go over
  * to those. Returns the entry of the diagonal that it had. */
-PK_PERHAPS static pk_real pk_taken(const struct pk_ldl *A, int n, const ptrdiff_t *c, const pk_real *r)
+PK_PERHAPS static pk_real pk_taken(const struct pk_ldl *A, int n, const ptrdiff_t *c,
+                                   const pk_real *r)
 {
     const ptrdiff_t i = c[0], all = A->rows + A->border;
     const ptrdiff_t last = i < A->rows ? pk_least(i + A->width + 1, A->rows) : all;
@@ -124,13 +126,15 @@ PK_PERHAPS static pk_real pk_taken(const struct pk_ldl *A, int n, const ptrdiff_
     ptrdiff_t j;
     int k, l;
 
-    for (j = i < A->rows ? pk_ldl_first(A, i) : 0; j < all; j = j + 1 == last ? pk_most(last, A->rows) : j + 1) {
+    for (j = i < A->rows ? pk_ldl_first(A, i) : 0; j < all;
+         j = j + 1 == last ? pk_most(last, A->rows) : j + 1) {
         const pk_real of_j = *pk_ldl_entry(A, pk_most(i, j), pk_least(i, j));
         if (j == i || of_j == 0)
             continue;
         for (k = 1; k < n; k++)
             if (c[k] >= 0)
-                *pk_ldl_entry(A, pk_most(c[k], j), pk_least(c[k], j)) -= (pk_real)(c[k] == j ? 2 : 1) * r[k] * of_j;
+                *pk_ldl_entry(A, pk_most(c[k], j), pk_least(c[k], j)) -=
+                    (pk_real)(c[k] == j ? 2 : 1) * r[k] * of_j;
         *pk_ldl_entry(A, pk_most(i, j), pk_least(i, j)) = 0;
     }
     for (k = 1; k < n; k++)
@@ -144,7 +148,8 @@ PK_PERHAPS static pk_real pk_taken(const struct pk_ldl *A, int n, const ptrdiff_
 /* Writes the diagonal of M of the `n` coordinates, without values that are defined by others: from
  * the last place to the first. M is overwritten. */
 PK_PERHAPS static void pk_diagonal(const struct pk_members *x, const struct pk_places *p,
-                                   const struct pk_matrix *const *of, int count, ptrdiff_t n, pk_real *M, pk_real *out)
+                                   const struct pk_matrix *const *of, int count, ptrdiff_t n,
+                                   pk_real *M, pk_real *out)
 {
     const struct pk_ldl A = pk_lower(p, M);
     const ptrdiff_t slots = p->of->slots;
@@ -187,8 +192,9 @@ PK_PERHAPS static void pk_weighed(const struct pk_members *x, const struct pk_pl
             pk_real weight;
             if (!n)
                 continue;
-            at = c[0] < p->banded ? c[0] * (2 * width + 1) + width
-                                  : p->banded * (2 * width + 1) + (p->banded + c[0]) * border + c[0] - p->banded;
+            at = c[0] < p->banded
+                     ? c[0] * (2 * width + 1) + width
+                     : p->banded * (2 * width + 1) + (p->banded + c[0]) * border + c[0] - p->banded;
             weight = M[at] / 2;
             if (!(weight > 0))
                 weight = 1;

@@ -5,13 +5,14 @@
 #ifndef PK_MEMBERS_STEPS_H
 #define PK_MEMBERS_STEPS_H
 
-#define PK_STAGES 32     /* kicks and drifts in one pass over memory */
+#define PK_STAGES 32 /* kicks and drifts in one pass over memory */
 #define PK_MOST_CARRIED 64
 
 /* Kicks and drifts the rows from .. to - 1, at most a chunk. `carried` has the values of terms
  * before the row `from` (none if `known` is 0), and then those before the row `to`. */
-PK_PERHAPS static void pk_stage(const struct pk_members *x, const struct pk_vector *of, pk_real *e, pk_real *carried,
-                                int known, ptrdiff_t from, ptrdiff_t to, pk_real kappa, pk_real delta, pk_real *q, pk_real *v)
+PK_PERHAPS static void pk_stage(const struct pk_members *x, const struct pk_vector *of, pk_real *e,
+                                pk_real *carried, int known, ptrdiff_t from, ptrdiff_t to,
+                                pk_real kappa, pk_real delta, pk_real *q, pk_real *v)
 {
     struct pk_addition added[PK_MOST_ADDITIONS];
     const ptrdiff_t h = of->most - of->least;
@@ -28,7 +29,8 @@ PK_PERHAPS static void pk_stage(const struct pk_members *x, const struct pk_vect
         const struct pk_row_set *set = of->sets + g;
         const ptrdiff_t *range = pk_range_of_family(x, set->family);
         const ptrdiff_t lo = pk_most(from, range[1]), n = pk_least(to, range[2] + 1) - lo;
-        pk_real *const own_q = q + range[0] + lo - range[1], *const own_v = v + range[0] + lo - range[1];
+        pk_real *const own_q = q + range[0] + lo - range[1], *const own_v = v + range[0] + lo -
+                                                                            range[1];
         if (n <= 0)
             continue;
         if (!n_added) {
@@ -48,8 +50,9 @@ PK_PERHAPS static void pk_stage(const struct pk_members *x, const struct pk_vect
 
 /* One pass over memory: `count` stages, each a kick by kappa[s] at time[s] and a drift by delta[s].
  * Each begins where the one before it has drifted, `lag` members behind that one's end. */
-PK_PERHAPS static void pk_pass(struct pk_members *x, const struct pk_vector *of, pk_real *e, ptrdiff_t lag, int count,
-                               const pk_real *time, const pk_real *delta, const pk_real *kappa, pk_real *q, pk_real *v)
+PK_PERHAPS static void pk_pass(struct pk_members *x, const struct pk_vector *of, pk_real *e,
+                               ptrdiff_t lag, int count, const pk_real *time, const pk_real *delta,
+                               const pk_real *kappa, pk_real *q, pk_real *v)
 {
     pk_real carried[PK_STAGES][PK_MOST_CARRIED];
     ptrdiff_t first = PTRDIFF_MAX, end = PTRDIFF_MIN, done[PK_STAGES], begin;
@@ -63,7 +66,9 @@ PK_PERHAPS static void pk_pass(struct pk_members *x, const struct pk_vector *of,
         done[s] = first;
     for (begin = first; done[count - 1] < end; begin += of->chunk)
         for (s = 0; s < count; s++) {
-            const ptrdiff_t ahead = s == 0 ? begin + of->chunk : done[s - 1] == end ? end : done[s - 1] - lag;
+            const ptrdiff_t ahead = s == 0               ? begin + of->chunk
+                                    : done[s - 1] == end ? end
+                                                         : done[s - 1] - lag;
             const ptrdiff_t to = pk_least(ahead, end);
             ptrdiff_t from = done[s];
             if (to < end && end - to < lag && to - from > lag)
@@ -73,7 +78,8 @@ PK_PERHAPS static void pk_pass(struct pk_members *x, const struct pk_vector *of,
                 done[s] = pk_least(to, from + of->chunk);
                 if (done[s] < to && to - done[s] < lag)
                     done[s] = to - lag;
-                pk_stage(x, of, e, carried[s], from > first, from, done[s], kappa[s], delta[s], q, v);
+                pk_stage(x, of, e, carried[s], from > first, from, done[s], kappa[s], delta[s], q,
+                         v);
             }
         }
 }
@@ -83,9 +89,10 @@ PK_PERHAPS static void pk_pass(struct pk_members *x, const struct pk_vector *of,
  * one. e has the room that two of pk_compute() need; n is the number of coordinates. With a lag,
  * terms of rows from m on read no rows before m, and none m + lag or further; the stages of several
  * steps are then made in one pass over memory. */
-PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_vector *of, pk_real *e, ptrdiff_t lag,
-                                  int stages, const pk_real *kick, const pk_real *drift, pk_real t, pk_real h,
-                                  unsigned long steps, ptrdiff_t n, pk_real *q, pk_real *v)
+PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_vector *of, pk_real *e,
+                                  ptrdiff_t lag, int stages, const pk_real *kick,
+                                  const pk_real *drift, pk_real t, pk_real h, unsigned long steps,
+                                  ptrdiff_t n, pk_real *q, pk_real *v)
 {
     const pk_real ends = kick[stages] * h;
     pk_real time[PK_STAGES], delta[PK_STAGES], kappa[PK_STAGES];
@@ -97,7 +104,10 @@ PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_vector *
         pk_real done = 0; /* fraction of the step drifted so far */
         for (i = 0; i < (k < steps ? stages : ends > 0 || ends < 0); i++) {
             time[count] = t + (pk_real)k * h + done * h;
-            kappa[count] = i ? kick[i] * h : k == steps ? ends : k > 0 ? ends + kick[0] * h : kick[0] * h;
+            kappa[count] = i            ? kick[i] * h
+                           : k == steps ? ends
+                           : k > 0      ? ends + kick[0] * h
+                                        : kick[0] * h;
             delta[count] = k < steps ? drift[i] * h : 0;
             done += k < steps ? drift[i] : 0;
             if (!lag) {

@@ -1,8 +1,8 @@
 """Turns LoopEquations into blocks of C statements, such as bodies of terms and assignments.
 
-A block is straight-line code. It first loads its inputs into local constants: in terms, for a member
-m or a pair m and j, from the arrays s that members.h sets. Expressions of parameters and sizes alone
-are hoisted into `prepare`.
+A block is straight-line code. It first loads its inputs into local constants: in terms, for a
+member m or a pair m and j, from the arrays s that members.h sets. Expressions of parameters and
+sizes alone are hoisted into `prepare`.
 """
 
 from __future__ import annotations

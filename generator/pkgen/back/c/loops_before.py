@@ -15,8 +15,8 @@ from .loops import Block, Places
 from .loops_kernels import Terms
 from .loops_plan import Plan
 
-# A value to compute before terms: ("sum", number of the total), ("rate", name of the state), ("let",
-# number of the pass over members), or ("acceleration", "") for all accelerations.
+# A value to compute before terms: ("sum", number of the total), ("rate", name of the state),
+# ("let", number of the pass over members), or ("acceleration", "") for all accelerations.
 Key = tuple[str, str]
 STATE = "(p, t, q, v, u)"
 

@@ -1,5 +1,5 @@
-"""The order of unknowns in the band matrix K = [M J^T; J 0] and in matrices of derivatives, as tables
-for members_band.h, and the template variables of constraint rows.
+"""The order of unknowns in the band matrix K = [M J^T; J 0] and in matrices of derivatives, as
+tables for members_band.h, and the template variables of constraint rows.
 
 A constraint row belongs to the largest index of a coordinate in it. Rows that reach around the end
 of a ring (a periodic family) lie behind all others.
@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ...graph.affine import Affine
-from ...middle.loops.indexed_ir import Bound, Group, Sum
+from ...middle.loops.indexed_ir import Group, Sum
 from ...middle.loops.indices import size_values
 from ...middle.loops.jacobians import Slopes
 from ...middle.loops.loops import LoopEquations
@@ -174,9 +174,7 @@ def spares_of(e: LoopEquations) -> int:
 def bound_context(e: LoopEquations, places: Places) -> dict[str, Any]:
     """Returns the template variables of constraint rows."""
     index, sizes = places.index, size_values(e.model)
-    rows = [
-        places.group(x.group) | {"declared": x.name, "holonomic": x.holonomic} for x in e.bound
-    ]
+    rows = [places.group(x.group) | {"declared": x.name, "holonomic": x.holonomic} for x in e.bound]
     if not e.bound:
         return {"bound": (), "bound_kernels": ()}
     total = sum((x.group.count for x in e.bound), Affine())

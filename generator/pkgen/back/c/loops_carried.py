@@ -23,7 +23,7 @@ from functools import cached_property
 
 from ...graph.affine import Affine
 from ...graph.graph import CONSTANT, ZERO, Node
-from ...middle.loops.indexed_ir import Carried, Group, Piece, Slot
+from ...middle.loops.indexed_ir import Carried, Piece, Slot
 from ...middle.loops.loops import LoopEquations
 from ..targets import STORE, Target
 from .loops import INNER, Block, M, Places
@@ -205,7 +205,10 @@ class Carrying:
             if key in (*what, "value", "rate"):
                 array, at = self.places.carried(kind, name, piece.lo)
                 yield f"x.{array} + {index(at)}", getattr(piece, key)
-        for key, stored, array in (("by", self.slopes, "slopes"), ("by_rate", self.changes, "changes")):
+        for key, stored, array in (
+            ("by", self.slopes, "slopes"),
+            ("by_rate", self.changes, "changes"),
+        ):
             for slot in dict.fromkeys(z for each in item.pieces for z in each.by):
                 at = (name, self.variable(slot))
                 if key in what and at in stored:
@@ -218,7 +221,11 @@ class Carrying:
         """Yields the derivatives with the index range outside which they are 0."""
         for item in self.e.carried:
             for slot in dict.fromkeys(z for piece in item.pieces for z in piece.by):
-                key, lo, hi = (item.group.name, self.variable(slot)), [item.group.lo], [item.group.hi]
+                key, lo, hi = (
+                    (item.group.name, self.variable(slot)),
+                    [item.group.lo],
+                    [item.group.hi],
+                )
                 if slot.at is not None:
                     target, shift = self.groups[slot.name], (slot.at - M).constant
                     lo.append(target.lo - shift)

@@ -112,8 +112,10 @@ class Elimination:
                 (own, row), (other, column) = x.to
                 if own != name:
                     continue
-                at = (BESIDE, of.scalar[other]) if column is None else (
-                    (column - row).constant, of.number[other]
+                at = (
+                    (BESIDE, of.scalar[other])
+                    if column is None
+                    else ((column - row).constant, of.number[other])
                 )
                 if column is None or at[0] < 0 or (at[0] == 0 and at[1] <= number):
                     found.setdefault(at, []).append(Addend(x.over, x.node, x.to[:1]))
@@ -281,4 +283,3 @@ def _next(at: Variable) -> Variable:
     """Returns the same variable, with an offset that counts from the next lower index."""
     offset, number = at
     return at if offset == BESIDE else (offset + 1, number)
-

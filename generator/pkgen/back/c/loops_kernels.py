@@ -14,14 +14,13 @@ from ...graph.affine import OTHER, ROW
 from ...graph.collect import THOROUGH, fewest, settled
 from ...graph.differentiate import reachable
 from ...graph.graph import ZERO, Node
-from ...middle.loops.indexed_ir import Addend, Cell, Group, Over, Slot, Unrolled
+from ...middle.loops.indexed_ir import Addend, Cell, Group, Over, Slot
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.slots import Slots
 from ..targets import STORE, Target
 from .loops import TERMS, Block, Places
 
 MOST_VALUES = 200  # of one C function; members.h has room for 256
-MOST_ADDITIONS, MOST_SCALARS = 64, 64  # as in members.h
 
 
 @dataclass
@@ -115,14 +114,6 @@ class Builder:
         scalars = [g for g in groups if not g.is_family]
         terms, goals = self._made(name, outputs, short)
         found = Vector(name, terms, goals, families, scalars, len(outputs), finish)
-        if len(scalars) * len(outputs) > MOST_SCALARS:
-            raise Unrolled(f"there are more than {MOST_SCALARS} coordinates that are no family's")
-        for goal in goals:
-            if goal.terms.over and goal.to[0][1] is not None and not goal.terms.is_pairs:
-                if not moves(goal.to[0]):
-                    raise Unrolled("a sum is added to a member far from its own")
-        if added(found, self.e) > MOST_ADDITIONS:
-            raise Unrolled("too many terms of single members, or too far beyond the ends")
         return found
 
     def totals(self, name: str, addends: Iterable[Addend], short: bool = True) -> list[Terms]:

@@ -197,9 +197,7 @@ class _Context:
             "pivots": ("mass" if divides(e) else "pivots") if e.pivots else "",
             "before": self.before,
             "accelerates": accelerates,
-            "rated": [
-                (ids[name], x, group(e.group(name))) for name, x in plan.rates.items()
-            ],
+            "rated": [(ids[name], x, group(e.group(name))) for name, x in plan.rates.items()],
             "lets": [
                 (k, found, [index(self.places.let(x.to[0][0], x.over[0])) for x in parts])
                 for k, found in plan.along.items()
@@ -263,7 +261,9 @@ class _Context:
                     for (kind, name), number in layouts["slopes"].unknowns.items()
                     if kind == ("rate" if name in carried else "v")
                 }
-                known["made", item.group.name] = layouts["slopes"].unknowns["hung_p", item.group.name]
+                known["made", item.group.name] = layouts["slopes"].unknowns[
+                    "hung_p", item.group.name
+                ]
                 parts.append(text.matrix(kernel, known, "slopes_", "K" not in layouts))
         parts += [text.terms_table(f"{key}_terms", found) for key, found in plan.totals.items()]
         parts += [text.terms_table(f"let_{k}_terms", found) for k, found in plan.along.items()]
@@ -312,7 +312,10 @@ class _Context:
         if e.carried:
             found["memory"] = {"count": f"{name}_memory_size(p)", "says": "Carried values"}
         if "K" in layouts:
-            found["K"] = {"count": "(ptrdiff_t)pk_matrix_size(&K)", "says": "M, or K = [M J^T; J 0]"}
+            found["K"] = {
+                "count": "(ptrdiff_t)pk_matrix_size(&K)",
+                "says": "M, or K = [M J^T; J 0]",
+            }
             found["unknowns"] = {"count": "K.all", "says": "Unknowns of K"}
         if e.bound:
             rows = sum((x.group.count for x in e.bound), Affine())

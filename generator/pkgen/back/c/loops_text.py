@@ -122,8 +122,10 @@ class Numbers:
         """Returns the place to which values are added, as a row of struct pk_slot."""
         name, at = cell
         kind = "" if name in self.groups else "lambda"
-        return self.slot(Slot(kind or "q", name, at), "Q") if not kind else self.slot(
-            Slot("lambda", name, at), "Q"
+        return (
+            self.slot(Slot(kind or "q", name, at), "Q")
+            if not kind
+            else self.slot(Slot("lambda", name, at), "Q")
         )
 
 

@@ -18,6 +18,7 @@ from .loops import Limit, LoopEquations
 from .recurrences import by_places, carried_of, inert
 from .rows import Assembler
 from .singularities import singularities_of
+from .slots import M
 from .statements import Outputs, bounds_of, defaults_of, given_of, starts_of
 from .switches import switches_of
 from .terms import terms
@@ -57,6 +58,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
     assembler.felt_through()
     _forces(x, assembler)
     _check_rates(x, assembler.quantity("force"))
+    _check_apart(x, assembler)
     bound = bound_of(x, assembler)
     carried = carried_of(x, assembler)
     energy = merged(
@@ -155,6 +157,24 @@ def _forces(x: LoopExpander, assembler: Assembler) -> None:
     for group in x.coordinates.values():
         if group.is_state:
             assembler.state(group)
+
+
+# The most scalars, and the most terms and given indices of single members, that C has room for.
+APART = 100
+
+
+def _check_apart(x: LoopExpander, assembler: Assembler) -> None:
+    """Raises Unrolled if too many coordinates or terms are no part of what is summed up, or if a
+    sum is added to a member other than those in it."""
+    scalars = sum(not group.is_family for group in x.coordinates.values())
+    force = assembler.quantity("force")
+    singles = sum(not body.over for body in force) + sum(assembler.wraps.values())
+    if max(scalars, singles) > APART:
+        raise Unrolled(f"more than {APART} coordinates or terms are no part of a family or a sum")
+    for body in force:
+        at = body.to[0][1]
+        if len(body.over) == 2 and at is not None and not (at - M).is_constant:
+            raise Unrolled("a sum is added to a member far from its own")
 
 
 def _check_rates(x: LoopExpander, force: Sum) -> None:

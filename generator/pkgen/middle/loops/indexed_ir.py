@@ -1,12 +1,12 @@
 """The intermediate representation of equations of families whose lengths are chosen at run time.
 
-L is a sum of terms, each of which is a sum over i = lo..hi of one expression, the body. A member of
-a family is also called a cell. The derivatives of a body by the cells in it are added to the rows of
-these cells: an Addend is such an expression, with the range of its index and the cell to which it
-is added. An index beyond an end of a family has a given value (`fixed` end), or stands for the cell
-at this end (`free`) or for a cell at the other end (`periodic`); what is added to it is left out, or
-added to the row of the cell for which it stands. This is valid for every length of a family, down to
-one member.
+L is a sum of terms, each of which is a sum over i = lo..hi of one expression, the body. A member
+of a family is also called a cell. The derivatives of a body by the cells in it are added to the
+rows of these cells: an Addend is such an expression, with the range of its index and the cell to
+which it is added. An index beyond an end of a family has a given value (`fixed` end), or stands for
+the cell at this end (`free`) or for a cell at the other end (`periodic`). An addend to such an
+index is left out, or added to the row of the cell for which the index stands. This is valid for
+every length of a family, down to one member.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Jacobians of the momenta p and of p' for models with loops, as banded matrices with a border.
 
-An unknown is (kind, name), such as ("v", "q") for the rates of q; cells of matrices have unknowns in
-place of names. The Jacobians by coordinates and rates would be dense if p' contains constraint
+An unknown is (kind, name), such as ("v", "q") for the rates of q; cells of matrices have unknowns
+in place of names. The Jacobians by coordinates and rates would be dense if p' contains constraint
 forces or time derivatives of states, or if the equations are in solved form (see `solved` of
 LoopEquations). Then the accelerations a, these time derivatives and the multipliers lambda are
 additional unknowns, whose equations have banded Jacobians:
@@ -63,7 +63,13 @@ class Slopes:
 
     @property
     def all(self) -> tuple[Sum, ...]:
-        return self.mass, *((self.closed,) if self.closed else ()), self.p_q, self.pdot_q, self.pdot_v
+        return (
+            self.mass,
+            *((self.closed,) if self.closed else ()),
+            self.p_q,
+            self.pdot_q,
+            self.pdot_v,
+        )
 
 
 def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
@@ -118,9 +124,7 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
 
 def rates(of: Iterable[Addend], kind: str = "v") -> Sum:
     """Returns addends to unknowns of a kind, in place of addends to cells of the same names."""
-    return tuple(
-        Addend(x.over, x.node, tuple(((kind, name), at) for name, at in x.to)) for x in of
-    )
+    return tuple(Addend(x.over, x.node, tuple(((kind, name), at) for name, at in x.to)) for x in of)
 
 
 def _totals(e: LoopEquations, slots: Slots, nodes: list[Node]) -> list[int]:
@@ -199,7 +203,9 @@ class Motion:
         return rates(found)
 
     def unit(self) -> Sum:
-        found = (((("v", g.name), at), over) for g in self.e.coordinates for over, at in [all_of(g)])
+        found = (
+            ((("v", g.name), at), over) for g in self.e.coordinates for over, at in [all_of(g)]
+        )
         return tuple(Addend(over, ONE, (cell, cell)) for cell, over in found)
 
     def inertia(self) -> Sum:

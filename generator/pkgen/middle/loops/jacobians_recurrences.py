@@ -50,9 +50,7 @@ class _Chain(Motion):
         """Returns -C^T x, or -C'^T x with `rates`, for the matrix C of the recurrences. `kind` says
         which unknowns x are: the momenta P ("hung_p") or the forces F ("hung_f")."""
         entries = [x for item in self.e.carried for x in made(self.e, self.slots, item, rates)]
-        return self.minus(
-            self.times(x, self.slots.node(kind, *x.to[0]), x.to[1]) for x in entries
-        )
+        return self.minus(self.times(x, self.slots.node(kind, *x.to[0]), x.to[1]) for x in entries)
 
     def defined(self) -> Iterator[Addend]:
         """Yields the equations X - Phi and X' - Phi'."""
@@ -106,9 +104,9 @@ class _Chain(Motion):
         rows = (*self.defined(), *(x for x in hung if x.to[0][0][0] != "v"))
         rows += self.total_rows(totals)
         p, pdot = ([x for x in self.named(of, "") if x.to[0][0][0] == "v"] for of in (p, pdot))
-        of_kind = [[((kind, g.name), g) for g in e.carried_groups] for kind in _KINDS]
-        rate, *more = of_kind
-        families = (*rate, *((("v", g.name), g) for g in e.families), *sum(more, []))
+        own = [(("v", g.name), g) for g in e.families]
+        rate, *more = ([((kind, g.name), g) for g in e.carried_groups] for kind in _KINDS)
+        families = (*rate, *own, *(unknown for found in more for unknown in found))
         scalars = (*(("v", g.name) for g in e.scalars), *(("sum", str(k)) for k in totals))
         by, both = self.slopes, (*p, *rows)
         return Slopes(

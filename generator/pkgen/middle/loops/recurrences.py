@@ -39,7 +39,9 @@ def carried_of(x: LoopExpander, assembler: Assembler) -> tuple[Carried, ...]:
                 pieces[group.name] = tuple(found)
     levels = _levels(pieces)
     for _ in pieces:  # repeated, because a recurrence varies with time if one that it uses does
-        assembler.moving |= {n for n, own in pieces.items() if any(_moves(x, assembler, p) for p in own)}
+        assembler.moving |= {
+            n for n, own in pieces.items() if any(_moves(x, assembler, p) for p in own)
+        }
     groups = x.coordinates
     found = [Carried(groups[name], pieces[name], levels[name]) for name in pieces]
     return tuple(sorted(found, key=lambda item: item.level))

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from ...graph.affine import OTHER, ROW, Affine
+from ...graph.affine import OTHER, ROW
 from ...graph.collect import settled
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from ...graph.ranges import INF, Range, Ranges
@@ -37,9 +37,7 @@ _PRIMES = {"v": "'", "d": "'", "a": "'"}
 _Guarded = tuple[Over, Node]
 
 
-def singularities_of(
-    x: LoopExpander, e: LoopEquations
-) -> tuple[tuple[LoopSingularity, ...], bool]:
+def singularities_of(x: LoopExpander, e: LoopEquations) -> tuple[tuple[LoopSingularity, ...], bool]:
     """Returns the singularities, first those where M is singular, and whether the pivots of M are
     singularities too."""
     return _Singularities(x, e).found()
