@@ -227,12 +227,12 @@ PK_PERHAPS static void pk_evaluate(const struct pk_members *x, const struct pk_t
  * and `least` behind. raw() is the same before a division. Both return nonzero where a mass is not
  * positive. */
 typedef pk_bits pk_rows(const pk_real *e, ptrdiff_t n, pk_real *const *out);
-typedef void pk_kick(const pk_real *e, ptrdiff_t n, pk_real kappa, pk_real delta, pk_real *q,
-                     pk_real *v);
+typedef void pk_kick_rows(const pk_real *e, ptrdiff_t n, pk_real kappa, pk_real delta, pk_real *q,
+                          pk_real *v);
 struct pk_row_set {
     int family, below, above; /* indices beyond the ends that terms reach */
     pk_rows *rows, *raw;
-    pk_kick *kick; /* v += kappa a, q += delta v; NULL: not there */
+    pk_kick_rows *kick; /* v += kappa a, q += delta v; NULL: not there */
 };
 
 /* Value number `value` of terms, times `sign`, goes to an output: of a single term to the member

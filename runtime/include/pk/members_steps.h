@@ -50,9 +50,10 @@ PK_PERHAPS static void pk_stage(const struct pk_members *x, const struct pk_vect
 
 /* One pass over memory: `count` stages, each a kick by kappa[s] at time[s] and a drift by delta[s].
  * Each begins where the one before it has drifted, `lag` members behind that one's end. */
-PK_PERHAPS static void pk_pass(struct pk_members *x, const struct pk_vector *of, pk_real *e,
-                               ptrdiff_t lag, int count, const pk_real *time, const pk_real *delta,
-                               const pk_real *kappa, pk_real *q, pk_real *v)
+PK_PERHAPS static void pk_one_pass(struct pk_members *x, const struct pk_vector *of, pk_real *e,
+                                   ptrdiff_t lag, int count, const pk_real *time,
+                                   const pk_real *delta, const pk_real *kappa, pk_real *q,
+                                   pk_real *v)
 {
     pk_real carried[PK_STAGES][PK_MOST_CARRIED];
     ptrdiff_t first = PTRDIFF_MAX, end = PTRDIFF_MIN, done[PK_STAGES], begin;
@@ -117,13 +118,13 @@ PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_vector *
                 for (j = 0; j < n; j++)
                     q[j] += delta[0] * v[j];
             } else if (++count == PK_STAGES) {
-                pk_pass(x, of, e, lag, count, time, delta, kappa, q, v);
+                pk_one_pass(x, of, e, lag, count, time, delta, kappa, q, v);
                 count = 0;
             }
         }
     }
     if (count)
-        pk_pass(x, of, e, lag, count, time, delta, kappa, q, v);
+        pk_one_pass(x, of, e, lag, count, time, delta, kappa, q, v);
 }
 
 #endif

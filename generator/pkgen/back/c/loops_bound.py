@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ...graph.affine import Affine
-from ...middle.loops.indexed_ir import Group, Sum
+from ...graph.graph import ZERO
+from ...middle.loops.indexed_ir import Addend, Group, Sum
 from ...middle.loops.indices import size_values
 from ...middle.loops.jacobians import Slopes
 from ...middle.loops.loops import LoopEquations
@@ -69,7 +70,7 @@ def layout_of_k(e: LoopEquations, plan: Plan, numbers: Numbers) -> Layout:
         found.enter(g.name, "COORDINATE", families[g.name, ""], True)
     made: list[tuple[Any, Group, Sum]] = []
     for item, kernel in zip(e.carried, plan.made, strict=True) if e.extended else ():
-        entries = tuple(_entry(goal.to, goal.terms.over) for goal in kernel.goals)
+        entries = tuple(Addend(goal.terms.over, ZERO, goal.to) for goal in kernel.goals)
         made.append((("made", item.group.name), item.group, entries))
     made += [(x.group.name, x.group, x.jacobian) for x in e.bound if not x.is_single]
     for key, group, entries in made:
@@ -89,19 +90,12 @@ def layout_of_k(e: LoopEquations, plan: Plan, numbers: Numbers) -> Layout:
     for k in range(found.spares):
         found.enter(("spare", k), "NONE", 0, False)
     found.carried = e.extended
-    inertia = tuple(_entry(x.to, x.over) for x in e.mass)
     found.width = max(
-        half_width([inertia], found.unknowns, found.groups, found.slots),
+        half_width([e.mass], found.unknowns, found.groups, found.slots),
         *(_behind(e, found, key, entries) for key, _, entries in made),
         0,
     )
     return found
-
-
-def _entry(to: tuple, over: tuple):
-    from ...middle.loops.indexed_ir import Addend
-
-    return Addend(over, 0, to)
 
 
 def _behind(e: LoopEquations, layout: Layout, key: Any, entries: Sum) -> int:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from ...graph.affine import Affine
 from ...middle.loops.indexed_ir import Addend, Bound, Group, Slot, Sum, Unrolled, of_name
 from ...middle.loops.jacobians import Slopes, slopes_of
+from ...middle.loops.jacobians_recurrences import of_chain
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.slots import M
 from ..targets import RETURN
@@ -233,7 +234,7 @@ def _plan_bound(e: LoopEquations, make: Builder, plan: Plan) -> None:
 def _plan_slopes(e: LoopEquations, make: Builder, plan: Plan) -> None:
     """Plans the kernels of M and of the derivatives of p and p', unless the matrices are dense."""
     try:
-        found = slopes_of(e, make.slots)
+        found = (of_chain if e.carried else slopes_of)(e, make.slots)
     except Unrolled:
         return
     plan.slopes = found

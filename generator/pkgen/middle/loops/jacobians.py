@@ -72,21 +72,21 @@ class Slopes:
         )
 
 
-def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
-    """Returns the Jacobians. Raises Unrolled if they are not banded."""
+def read_of(e: LoopEquations, slots: Slots) -> tuple[list[int], set[str]]:
+    """Returns the numbers of the sums that the equations read and that may vary with time, and the
+    states whose time derivatives they read. Raises Unrolled if the Jacobians are dense."""
     nodes = nodes_of(e.momenta, e.pdot, e.force, e.mass)
     totals = _totals(e, slots, nodes)
     nodes += nodes_of(*(e.sums[k] for k in totals))
     if any(len(x.over) == 4 for of in (e.pdot, e.force, *(e.sums[k] for k in totals)) for x in of):
         raise Unrolled("a sum over all members makes the derivatives dense")
-    # The states whose time derivatives occur in the equations of motion.
-    used = {s.name for s in slots.below(*nodes) if s.kind == "a"}
-    if e.carried:
-        from .jacobians_recurrences import of_chain
+    return totals, {s.name for s in slots.below(*nodes) if s.kind == "a"}
 
-        if e.bound or e.solved or used:
-            raise Unrolled("carried values stand beside accelerations as unknowns")
-        return of_chain(e, slots, totals)
+
+def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
+    """Returns the Jacobians of a model without recurrences. Raises Unrolled if they are not
+    banded."""
+    totals, used = read_of(e, slots)
     motion = Motion(e, slots, used)
     families = [(("v", g.name), g) for g in e.families]
     scalars = [("v", g.name) for g in e.scalars]

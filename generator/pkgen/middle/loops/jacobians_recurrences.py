@@ -17,7 +17,7 @@ from collections.abc import Iterator
 
 from ...graph.graph import MINUS_ONE, ONE, ZERO
 from .indexed_ir import Addend, Carried, Sum, Unrolled, nodes_of
-from .jacobians import BY_MORE, BY_PLACE, BY_RATE, Motion, Slopes, Unknown
+from .jacobians import BY_MORE, BY_PLACE, BY_RATE, Motion, Slopes, Unknown, read_of
 from .loops import LoopEquations
 from .slots import M, Slots
 
@@ -37,8 +37,12 @@ def made(e: LoopEquations, slots: Slots, item: Carried, rates: bool = False) -> 
     return tuple(found)
 
 
-def of_chain(e: LoopEquations, slots: Slots, totals: list[int]) -> Slopes:
-    """Returns the Jacobians of a model with recurrences X = Phi."""
+def of_chain(e: LoopEquations, slots: Slots) -> Slopes:
+    """Returns the Jacobians of a model with recurrences X = Phi. Raises Unrolled if they are not
+    banded."""
+    totals, used = read_of(e, slots)
+    if e.bound or e.solved or used:
+        raise Unrolled("carried values stand beside accelerations as unknowns")
     return _Chain(e, slots, set()).slopes_of(totals)
 
 
