@@ -153,3 +153,15 @@ def test_values(text, sizes, tmp_path):
             rest = {f"{abs(x):.9g}" for x in found[n:]}
             assert rest == {f"{abs(x):.9g}" for x in expected}
             assert len(rest) > 3 * size if text is ALL else not rest
+
+
+def test_the_pivot_of_a_coordinate_that_has_no_inertia_is_0(tmp_path):
+    """Behind it is the diagonal of M."""
+    text = (
+        "model bare\nsize N = 5\ncoord q[1..N]\n"
+        "kinetic sum(q[i]^2*q[i]'^2/2, i = 1..N) + 0.1*q[1]'*q[2]'\n"
+    )
+    at = Looped(text, tmp_path).at(5)
+    q = [1.0, 2.0, 3.0, 0.0, 5.0]
+    _, (found,) = at.call("singularity", 0.0, q, [0.0] * 5, (), (5,))
+    assert found == pytest.approx([1, 4 - 0.01, 9, 0, 25], abs=1e-14)

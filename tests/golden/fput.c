@@ -6,22 +6,1600 @@
  */
 #include "fput.h"
 
-/* Members per chunk: a constant, so that compilers vectorise plain loops. */
-#define fput_CHUNK 64
-/* Members whose bond forces are stored. */
-#define fput_BLOCK 1024
-/* The longest bond, in members, whose force is computed once for both ends. */
-#define fput_BOND 8
+/* Sums of terms over the members of families, such as sum(f(q[i], q[i+1]), i = 0..N): the values of
+ * kernels, for every length of the families.
+ *
+ * A model has a function for each term, which computes its values for n successive members at once.
+ * Tables say what it reads (struct pk_slot), over which members it runs (struct pk_terms), and to
+ * what its values are added. A scalar is a family of one member, whose index is 0. An index beyond
+ * the ends of a family stands for a member (a free or periodic end) or has a given value.
+ *
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+#ifndef PK_MEMBERS_H
+#define PK_MEMBERS_H
 
-PK_INLINE static ptrdiff_t fput_most(ptrdiff_t a, ptrdiff_t b)
+#ifdef __GNUC__
+#define PK_PERHAPS __attribute__((unused))
+#else
+#define PK_PERHAPS
+#endif
+#define PK_BLOCK 512      /* the most members at a time */
+#define PK_MOST_SLOTS 256 /* what terms read, and their values */
+#define PK_LANES_IN_A_ROW 64
+
+/* What stands beyond the ends of a family: a ring of its own members, or copies of the last member
+ * for so many indices. Its range is in the array `at`: the number of its first member in arrays,
+ * its least and its greatest index. */
+struct pk_family {
+    int ring, free_below, free_above;
+};
+
+enum pk_array {
+    PK_OF_Q,
+    PK_OF_V,
+    PK_OF_ZERO,
+    PK_OF_A,
+    PK_OF_RATED,
+    PK_OF_P,
+    PK_OF_LETS,
+    PK_OF_LAMBDA,
+    PK_OF_SIDES,
+    PK_ARRAYS
+};
+
+/* The state and the model that a kernel is called with. */
+struct pk_members {
+    const void *params;
+    const struct pk_family *families;
+    const ptrdiff_t *at; /* 3 numbers for each family; ends of ranges; indices */
+    /* the value (order 0), rate (1) or acceleration (2) of a given member */
+    pk_real (*given)(const struct pk_members *x, int family, int order, ptrdiff_t i);
+    pk_real t;
+    const pk_real *u;
+    const pk_real *arrays[PK_ARRAYS];
+};
+
+/* A number that terms read: the member with index of_m * m + of_j * j + shift + at[extra] of a
+ * family; `extra` is 0 if there is none. Where it is given it has the value of that order, or 0 if
+ * the order is -1. */
+struct pk_slot {
+    enum pk_array array;
+    int order, family, of_m, of_j;
+    ptrdiff_t shift;
+    int extra;
+};
+
+/* Terms with the indices m = at[over] .. at[over + 1]; those of pairs have j = at[over + 2] + first
+ * * m .. at[over + 3] + last * m too. values() writes the values of n successive members, from m on
+ * (of pairs: from j on) to o[0], o[1], ... It returns nonzero if they are invalid, since an angle
+ * was too large; it is then called again with PK_CAREFULLY. */
+typedef pk_bits pk_values(const struct pk_members *x, enum pk_pass pass, ptrdiff_t m, ptrdiff_t j,
+                          ptrdiff_t n, const pk_real *const *s, pk_real *const *o);
+struct pk_terms {
+    pk_values *values;
+    const struct pk_slot *slots;
+    int n_slots, n_values, over, pairs, first, last;
+};
+
+/* PK_TERM(name) begins the function of one member, PK_TERMS(name) defines the loop over it. A
+ * PK_SEQUENCE reads what it has written for members before. */
+#define PK_TERM(name)                                                                        \
+    PK_INLINE static pk_bits name##_at(PK_PERHAPS const struct pk_members *x,                \
+                                       PK_PERHAPS enum pk_pass pass, PK_PERHAPS ptrdiff_t m, \
+                                       PK_PERHAPS ptrdiff_t j, PK_PERHAPS ptrdiff_t k,       \
+                                       PK_PERHAPS const pk_real *const *s, pk_real *const *o)
+#define PK_TERMS_(name, lanes, of_m, of_j)                                                       \
+    static pk_bits name(const struct pk_members *x, enum pk_pass pass, ptrdiff_t m, ptrdiff_t j, \
+                        ptrdiff_t n, const pk_real *const *s, pk_real *const *o)                 \
+    {                                                                                            \
+        pk_bits far = 0;                                                                         \
+        ptrdiff_t k = 0, l;                                                                      \
+        if (pass == PK_CAREFULLY) {                                                              \
+            for (; k < n; k++)                                                                   \
+                (void)name##_at(x, PK_CAREFULLY, m + (of_m) * k, j + (of_j) * k, k, s, o);       \
+            return 0;                                                                            \
+        }                                                                                        \
+        for (; k + PK_LANES_IN_A_ROW <= n; k += PK_LANES_IN_A_ROW) {                             \
+            lanes for (l = k; l < k + PK_LANES_IN_A_ROW; l++)                                    \
+                far |= name##_at(x, PK_IN_LANE, m + (of_m) * l, j + (of_j) * l, l, s, o);        \
+        }                                                                                        \
+        for (; k < n; k++)                                                                       \
+            far |= name##_at(x, PK_IN_LANE, m + (of_m) * k, j + (of_j) * k, k, s, o);            \
+        return far;                                                                              \
+    }
+#define PK_TERMS(name) PK_TERMS_(name, PK_LANE_LOOP, 1, 0)
+#define PK_PAIRS(name) PK_TERMS_(name, PK_LANE_LOOP, 0, 1)
+#define PK_SEQUENCE(name) PK_TERMS_(name, , 1, 0)
+
+static const pk_real pk_zeros[PK_BLOCK] = {0};
+
+PK_INLINE static ptrdiff_t pk_most(ptrdiff_t a, ptrdiff_t b) { return a > b ? a : b; }
+
+PK_INLINE static ptrdiff_t pk_least(ptrdiff_t a, ptrdiff_t b) { return a < b ? a : b; }
+
+/* The range of a family: number of the first member in arrays, least and greatest index. */
+PK_INLINE static const ptrdiff_t *pk_range_of_family(const struct pk_members *x, int family)
 {
-    return a > b ? a : b;
+    return x->at + 3 * family;
 }
 
-PK_INLINE static ptrdiff_t fput_least(ptrdiff_t a, ptrdiff_t b)
+/* The index of the member that index i stands for; one below the least if it is given. */
+PK_PERHAPS static ptrdiff_t pk_home(const struct pk_members *x, int family, ptrdiff_t i)
 {
-    return a < b ? a : b;
+    const ptrdiff_t lo = x->at[3 * family + 1], hi = x->at[3 * family + 2];
+    const struct pk_family *of = x->families + family;
+
+    if (i >= lo && i <= hi)
+        return i;
+    if (of->ring) {
+        const ptrdiff_t n = hi - lo + 1, r = (i - lo) % n;
+        return lo + (r < 0 ? r + n : r);
+    }
+    if (i < lo)
+        return i + of->free_below >= lo ? lo : lo - 1;
+    return i - of->free_above <= hi ? hi : lo - 1;
 }
+
+PK_PERHAPS static ptrdiff_t pk_index(const struct pk_members *x, const struct pk_slot *of,
+                                     ptrdiff_t m, ptrdiff_t j)
+{
+    return of->of_m * m + of->of_j * j + of->shift + (of->extra ? x->at[of->extra] : 0);
+}
+
+/* The value of a slot at m, j. */
+PK_PERHAPS static pk_real pk_read(const struct pk_members *x, const struct pk_slot *of, ptrdiff_t m,
+                                  ptrdiff_t j)
+{
+    const ptrdiff_t *range = pk_range_of_family(x, of->family);
+    ptrdiff_t i = pk_index(x, of, m, j);
+
+    if (i < range[1] || i > range[2]) {
+        const ptrdiff_t home = pk_home(x, of->family, i);
+        if (home < range[1])
+            return of->order < 0 ? 0 : x->given(x, of->family, of->order, i);
+        i = home;
+    }
+    return of->array == PK_OF_ZERO ? 0 : x->arrays[of->array][range[0] + i - range[1]];
+}
+
+/* Writes the values of the member m, or of the pair m, j, to o[0][k], o[1][k], ... */
+PK_PERHAPS static void pk_one(const struct pk_members *x, const struct pk_terms *of, ptrdiff_t m,
+                              ptrdiff_t j, ptrdiff_t k, pk_real *const *o)
+{
+    pk_real read[PK_MOST_SLOTS], *to[PK_MOST_SLOTS];
+    const pk_real *s[PK_MOST_SLOTS];
+    int i;
+
+    for (i = 0; i < of->n_slots; i++) {
+        read[i] = pk_read(x, of->slots + i, m, j);
+        s[i] = read + i;
+    }
+    for (i = 0; i < of->n_values; i++)
+        to[i] = o[i] + k;
+    if (of->values(x, PK_IN_LANE, m, j, 1, s, to))
+        (void)of->values(x, PK_CAREFULLY, m, j, 1, s, to);
+}
+
+/* Narrows lo .. hi to those m at which the slot is a member itself: nothing is beyond an end. */
+PK_PERHAPS static void pk_inside(const struct pk_members *x, const struct pk_slot *of,
+                                 ptrdiff_t *lo, ptrdiff_t *hi)
+{
+    const ptrdiff_t *range = pk_range_of_family(x, of->family);
+    const ptrdiff_t shift = pk_index(x, of, 0, 0);
+
+    if (of->of_m == 1) {
+        *lo = pk_most(*lo, range[1] - shift);
+        *hi = pk_least(*hi, range[2] - shift);
+    } else if (of->of_m == -1) {
+        *lo = pk_most(*lo, shift - range[2]);
+        *hi = pk_least(*hi, shift - range[1]);
+    } else if (of->of_m || shift < range[1] || shift > range[2]) {
+        *hi = *lo - 1; /* read one by one */
+    }
+}
+
+/* Writes the values of the members from .. to - 1, at most PK_BLOCK, to o[..][0], o[..][1], ... */
+PK_PERHAPS static void pk_evaluate(const struct pk_members *x, const struct pk_terms *of,
+                                   ptrdiff_t from, ptrdiff_t to, pk_real *const *o)
+{
+    ptrdiff_t lo = from, hi = to - 1, m;
+    pk_real *into[PK_MOST_SLOTS];
+    const pk_real *s[PK_MOST_SLOTS];
+    int i;
+
+    for (i = 0; i < of->n_slots; i++)
+        pk_inside(x, of->slots + i, &lo, &hi);
+    for (m = from; m < to && (m < lo || lo > hi); m++)
+        pk_one(x, of, m, 0, m - from, o);
+    if (m >= to)
+        return;
+    for (i = 0; i < of->n_slots; i++) {
+        const struct pk_slot *slot = of->slots + i;
+        const ptrdiff_t *range = pk_range_of_family(x, slot->family);
+        s[i] = slot->array == PK_OF_ZERO
+                   ? pk_zeros
+                   : x->arrays[slot->array] + range[0] + pk_index(x, slot, lo, 0) - range[1];
+    }
+    for (i = 0; i < of->n_values; i++)
+        into[i] = o[i] + (lo - from);
+    if (of->values(x, PK_IN_LANE, lo, 0, hi - lo + 1, s, into))
+        (void)of->values(x, PK_CAREFULLY, lo, 0, hi - lo + 1, s, into);
+    for (m = hi + 1; m < to; m++)
+        pk_one(x, of, m, 0, m - from, o);
+}
+
+/* -- vectors ---------------------------------------------------------------------------------- */
+
+/* The values of members of one family. rows() adds up what terms have for n successive members: e
+ * are the values of terms, in rows of constant length, and may be read up to `most` numbers before
+ * and `least` behind. raw() is the same before a division. Both return nonzero where a mass is not
+ * positive. */
+typedef pk_bits pk_rows(const pk_real *e, ptrdiff_t n, pk_real *const *out);
+typedef void pk_kick_rows(const pk_real *e, ptrdiff_t n, pk_real kappa, pk_real delta, pk_real *q,
+                          pk_real *v);
+struct pk_row_set {
+    int family, below, above; /* indices beyond the ends that terms reach */
+    pk_rows *rows, *raw;
+    pk_kick_rows *kick; /* v += kappa a, q += delta v; NULL: not there */
+};
+
+/* Value number `value` of terms, times `sign`, goes to an output: of a single term to the member
+ * `to`, of others, summed up, to the scalar `to`; of pairs to the member m, j, or a scalar. */
+struct pk_goal {
+    int terms, value, sign, output;
+    struct pk_slot to;
+};
+
+enum pk_finish { PK_STORE, PK_QUOTIENT, PK_DIVIDE }; /* out = r0; out = r0/r1; out /= r0 */
+
+struct pk_vector {
+    const struct pk_terms *terms, *singles, *pairs;
+    int n_terms, n_singles, n_pairs, n_values, n_sets, n_scalars, n_goals[3];
+    const struct pk_row_set *sets;
+    const int *scalars;             /* families of one member */
+    const struct pk_goal *goals[3]; /* of terms, of singles, of pairs */
+    enum pk_finish finish;
+    int outputs;                         /* of raw() */
+    ptrdiff_t chunk, least, most, width; /* terms of m reach rows m + least .. m + most */
+};
+
+/* What is added to the row of one member apart from terms of successive members. */
+struct pk_addition {
+    int family, output;
+    ptrdiff_t i;
+    pk_real value;
+};
+
+#define PK_MOST_ADDITIONS 256
+#define PK_MOST_OUTPUTS 8
+#define PK_MOST_SCALARS 256
+
+/* Writes the values of all terms for the rows from .. from + n - 1: number r of member m to
+ * e[r * width + most + m - from]. The first `known` ones are there already. */
+PK_PERHAPS static void pk_fill(const struct pk_members *x, const struct pk_vector *of,
+                               ptrdiff_t from, ptrdiff_t n, ptrdiff_t known, pk_real *e)
+{
+    const ptrdiff_t first = from - of->most, begin = first + known, end = from + n - of->least;
+    pk_real *o[PK_MOST_SLOTS];
+    int g, r, done = 0;
+
+    for (g = 0; g < of->n_terms; g++) {
+        const struct pk_terms *terms = of->terms + g;
+        const ptrdiff_t lo = pk_least(pk_most(begin, x->at[terms->over]), end);
+        const ptrdiff_t hi = pk_most(lo, pk_least(end, x->at[terms->over + 1] + 1));
+        ptrdiff_t m;
+        for (r = 0; r < terms->n_values; r++) {
+            o[r] = e + (done + r) * of->width + (lo - first);
+            for (m = begin; m < lo; m++)
+                o[r][m - lo] = 0;
+            for (m = hi; m < end; m++)
+                o[r][m - lo] = 0;
+        }
+        if (lo < hi)
+            pk_evaluate(x, terms, lo, hi, o);
+        done += terms->n_values;
+    }
+}
+
+/* Computes one row before a division. */
+PK_PERHAPS static void pk_raw_row(const struct pk_members *x, const struct pk_vector *of,
+                                  const struct pk_row_set *set, ptrdiff_t i, pk_real *e, pk_real *r)
+{
+    pk_real *out[PK_MOST_OUTPUTS];
+    int k;
+
+    for (k = 0; k < of->outputs; k++)
+        out[k] = r + k;
+    pk_fill(x, of, i, 1, 0, e);
+    (void)set->raw(e + of->most, 1, out);
+}
+
+/* Finds what single terms and members beyond the ends add to the rows begin .. end - 1, and to
+ * scalars. */
+PK_PERHAPS static int pk_additions(const struct pk_members *x, const struct pk_vector *of,
+                                   pk_real *e, struct pk_addition *found, pk_real *scalars,
+                                   ptrdiff_t begin, ptrdiff_t end)
+{
+    pk_real values[PK_MOST_SLOTS], r[PK_MOST_OUTPUTS], *o[PK_MOST_SLOTS];
+    int g, k, n = 0, count = 0;
+
+    for (g = 0; g < of->n_singles; g++) {
+        for (k = 0; k < of->singles[g].n_values; k++)
+            o[k] = values + k;
+        pk_one(x, of->singles + g, 0, 0, 0, o);
+        for (; n < of->n_goals[1] && of->goals[1][n].terms == g; n++) {
+            const struct pk_goal *goal = of->goals[1] + n;
+            const ptrdiff_t lo = pk_range_of_family(x, goal->to.family)[1];
+            const ptrdiff_t i = pk_home(x, goal->to.family, pk_index(x, &goal->to, 0, 0));
+            const pk_real value = goal->sign < 0 ? -values[goal->value] : values[goal->value];
+            int is_scalar = 0;
+            for (k = 0; k < of->n_scalars; k++)
+                if (of->scalars[k] == goal->to.family) {
+                    scalars[k * of->outputs + goal->output] += value;
+                    is_scalar = 1;
+                }
+            if (is_scalar || i < lo || i < begin || i >= end)
+                continue;
+            found[count].family = goal->to.family;
+            found[count].output = goal->output;
+            found[count].i = i;
+            found[count++].value = value;
+        }
+    }
+    for (g = 0; g < of->n_sets; g++) {
+        const struct pk_row_set *set = of->sets + g;
+        const ptrdiff_t lo = pk_range_of_family(x, set->family)[1];
+        const ptrdiff_t hi = pk_range_of_family(x, set->family)[2];
+        ptrdiff_t i;
+        for (i = lo - set->below; i <= hi + set->above; i++) {
+            ptrdiff_t home;
+            if (i == lo)
+                i = hi + 1;
+            if (i > hi + set->above)
+                break;
+            home = pk_home(x, set->family, i);
+            if (home < lo || home < begin || home >= end)
+                continue;
+            pk_raw_row(x, of, set, i, e, r);
+            for (k = 0; k < of->outputs; k++) {
+                found[count].family = set->family;
+                found[count].output = k;
+                found[count].i = home;
+                found[count++].value = r[k];
+            }
+        }
+    }
+    return count;
+}
+
+PK_PERHAPS static pk_bits pk_finished(enum pk_finish how, const pk_real *r, pk_real *const *out,
+                                      int outputs)
+{
+    int k;
+
+    if (how == PK_STORE)
+        for (k = 0; k < outputs; k++)
+            *out[k] = r[k];
+    else if (how == PK_QUOTIENT)
+        *out[0] = r[0] / r[1];
+    else
+        *out[0] /= r[0];
+    return how == PK_STORE ? 0 : !(r[how == PK_QUOTIENT] > 0);
+}
+
+/* Adds the sum of n numbers to eight partial sums. */
+PK_PERHAPS static void pk_add_up(const pk_real *e, ptrdiff_t n, pk_real sign, pk_real *eight)
+{
+    ptrdiff_t k, l;
+
+    for (k = 0; k + 8 <= n; k += 8)
+        for (l = 0; l < 8; l++)
+            eight[l] += sign * e[k + l];
+    for (l = 0; k + l < n; l++)
+        eight[l] += sign * e[k + l];
+}
+
+PK_PERHAPS static pk_real pk_whole(const pk_real *s)
+{
+    return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
+}
+
+/* Computes the rows from .. to - 1 of a set, whose values of terms are e (see pk_fill), into out[k]
+ * + 0, 1, ... */
+PK_PERHAPS static pk_bits pk_some_rows(const struct pk_vector *of, const struct pk_row_set *set,
+                                       ptrdiff_t from, ptrdiff_t to, const pk_real *e,
+                                       const struct pk_addition *added, int n_added,
+                                       pk_real *const *out)
+{
+    pk_real r[PK_MOST_OUTPUTS], *at[PK_MOST_OUTPUTS];
+    const int finished = of->finish == PK_STORE ? of->outputs : 1;
+    ptrdiff_t i, next;
+    pk_bits bad = 0;
+    int b, k;
+
+    for (i = from; i < to; i = next + 1) {
+        next = to;
+        for (b = 0; b < n_added; b++)
+            if (added[b].family == set->family && added[b].i >= i && added[b].i < next)
+                next = added[b].i;
+        for (k = 0; k < finished; k++)
+            at[k] = out[k] + (i - from);
+        if (next > i)
+            bad |= set->rows(e + (i - from), next - i, at);
+        if (next == to)
+            break;
+        for (k = 0; k < of->outputs; k++)
+            at[k] = r + k;
+        (void)set->raw(e + (next - from), 1, at);
+        for (b = 0; b < n_added; b++)
+            if (added[b].family == set->family && added[b].i == next)
+                r[added[b].output] += added[b].value;
+        for (k = 0; k < finished; k++)
+            at[k] = out[k] + (next - from);
+        bad |= pk_finished(of->finish, r, at, of->outputs);
+    }
+    return bad;
+}
+
+/* Computes a vector of all members; e has room for n_values * width numbers. Returns nonzero where
+ * a mass is not positive. With `v` the vector is an acceleration a, and v += h a. */
+PK_PERHAPS static pk_bits pk_compute(const struct pk_members *x, const struct pk_vector *of,
+                                     pk_real *e, pk_real *const *out, pk_real *v, pk_real h)
+{
+    struct pk_addition added[PK_MOST_ADDITIONS];
+    pk_real scalars[PK_MOST_SCALARS], sums[PK_MOST_SCALARS][8], a[PK_BLOCK];
+    pk_real *at[PK_MOST_OUTPUTS];
+    const int finished = of->finish == PK_STORE ? of->outputs : 1;
+    ptrdiff_t first = PTRDIFF_MAX, last = PTRDIFF_MIN, from, n, known = 0;
+    pk_bits bad = 0;
+    int g, k, n_added;
+
+    for (g = 0; g < of->n_scalars * of->outputs; g++) {
+        scalars[g] = 0;
+        for (k = 0; k < 8; k++)
+            sums[g][k] = 0;
+    }
+    n_added = pk_additions(x, of, e, added, scalars, PTRDIFF_MIN, PTRDIFF_MAX);
+
+    for (g = 0; g < of->n_sets; g++) {
+        first = pk_least(first, pk_range_of_family(x, of->sets[g].family)[1]);
+        last = pk_most(last, pk_range_of_family(x, of->sets[g].family)[2]);
+    }
+    for (g = 0; g < of->n_goals[0]; g++) {
+        const int over = of->terms[of->goals[0][g].terms].over;
+        first = pk_least(first, x->at[over] + of->most);
+        last = pk_most(last, x->at[over + 1] + of->least);
+    }
+    for (from = first; from <= last; from += n) {
+        int done = 0, term = 0;
+        n = pk_least(of->chunk, last + 1 - from);
+        pk_fill(x, of, from, n, known, e);
+        for (g = 0; g < of->n_sets; g++) {
+            const struct pk_row_set *set = of->sets + g;
+            const ptrdiff_t *range = pk_range_of_family(x, set->family);
+            const ptrdiff_t lo = pk_most(from, range[1]), hi = pk_least(from + n, range[2] + 1);
+            const ptrdiff_t place = range[0] + lo - range[1];
+            if (lo >= hi)
+                continue;
+            for (k = 0; k < finished; k++)
+                at[k] = v ? a : out[k] + place;
+            bad |= pk_some_rows(of, set, lo, hi, e + of->most + (lo - from), added, n_added, at);
+            for (k = 0; v && k < hi - lo; k++)
+                v[place + k] += h * a[k];
+        }
+        for (g = 0; g < of->n_goals[0]; g++) {
+            const struct pk_goal *goal = of->goals[0] + g;
+            for (; term < goal->terms; term++)
+                done += of->terms[term].n_values;
+            for (k = 0; of->scalars[k] != goal->to.family; k++)
+                ;
+            pk_add_up(e + (done + goal->value) * of->width + known,
+                      n + of->most - of->least - known, (pk_real)goal->sign,
+                      sums[k * of->outputs + goal->output]);
+        }
+        known = of->most - of->least;
+        for (k = 0; k < of->n_values; k++) {
+            pk_real *row = e + k * of->width;
+            ptrdiff_t i;
+            for (i = 0; i < known; i++)
+                row[i] = row[i + n];
+        }
+    }
+    for (g = 0; g < of->n_scalars; g++) {
+        const ptrdiff_t place = pk_range_of_family(x, of->scalars[g])[0];
+        for (k = 0; k < of->outputs; k++)
+            scalars[g * of->outputs + k] += pk_whole(sums[g * of->outputs + k]);
+        for (k = 0; k < finished; k++)
+            at[k] = out[k] + place;
+        bad |= pk_finished(of->finish, scalars + g * of->outputs, at, of->outputs);
+    }
+    return bad;
+}
+
+/* -- pairs, totals, values of each member ------------------------------------------------------ */
+
+/* Returns how many pairs the member m has, and the least index *j of its partners. */
+PK_PERHAPS static ptrdiff_t pk_partners(const struct pk_members *x, const struct pk_terms *of,
+                                        ptrdiff_t m, ptrdiff_t *j)
+{
+    *j = x->at[of->over + 2] + of->first * m;
+    return pk_most(0, x->at[of->over + 3] + of->last * m + 1 - *j);
+}
+
+/* Writes the values of the pairs m, j .. j + n - 1, n at most PK_BLOCK. All of them are members. */
+PK_PERHAPS static void pk_evaluate_pairs(const struct pk_members *x, const struct pk_terms *of,
+                                         ptrdiff_t m, ptrdiff_t j, ptrdiff_t n, pk_real *const *o)
+{
+    const pk_real *s[PK_MOST_SLOTS];
+    int i;
+
+    for (i = 0; i < of->n_slots; i++) {
+        const struct pk_slot *slot = of->slots + i;
+        const ptrdiff_t *range = pk_range_of_family(x, slot->family);
+        s[i] = slot->array == PK_OF_ZERO
+                   ? pk_zeros
+                   : x->arrays[slot->array] + range[0] + pk_index(x, slot, m, j) - range[1];
+    }
+    if (of->values(x, PK_IN_LANE, m, j, n, s, o))
+        (void)of->values(x, PK_CAREFULLY, m, j, n, s, o);
+}
+
+/* Adds the values of pairs to a vector; e has room for those of one term, PK_BLOCK pairs each. */
+PK_PERHAPS static void pk_add_pairs(const struct pk_members *x, const struct pk_vector *of,
+                                    pk_real *e, pk_real *const *out)
+{
+    pk_real *o[PK_MOST_SLOTS];
+    int g, k, first, next = 0;
+
+    for (k = 0; k < PK_MOST_SLOTS; k++)
+        o[k] = e + k * PK_BLOCK;
+    for (g = 0; g < of->n_pairs; g++) {
+        const struct pk_terms *terms = of->pairs + g;
+        ptrdiff_t m, j, n, left, c;
+        first = next;
+        for (m = x->at[terms->over]; m <= x->at[terms->over + 1]; m++)
+            for (left = pk_partners(x, terms, m, &j); left > 0; left -= n, j += n) {
+                n = pk_least(left, PK_BLOCK);
+                pk_evaluate_pairs(x, terms, m, j, n, o);
+                for (next = first; next < of->n_goals[2] && of->goals[2][next].terms == g; next++) {
+                    const struct pk_goal *goal = of->goals[2] + next;
+                    const ptrdiff_t *range = pk_range_of_family(x, goal->to.family);
+                    pk_real *to = out[goal->output] + range[0] + pk_index(x, &goal->to, m, j) -
+                                  range[1];
+                    const pk_real *from = o[goal->value];
+                    pk_real eight[8] = {0};
+                    if (goal->to.of_j) {
+                        for (c = 0; c < n; c++)
+                            to[c] += (pk_real)goal->sign * from[c];
+                    } else {
+                        pk_add_up(from, n, (pk_real)goal->sign, eight);
+                        *to += pk_whole(eight);
+                    }
+                }
+            }
+        while (next < of->n_goals[2] && of->goals[2][next].terms == g)
+            next++;
+    }
+}
+
+/* The sum of all values of some terms, with one value each; e has room for PK_BLOCK numbers. */
+PK_PERHAPS static pk_real pk_total(const struct pk_members *x, const struct pk_terms *of, int count,
+                                   pk_real *e)
+{
+    pk_real eight[8] = {0};
+    ptrdiff_t m, j, n, left;
+
+    for (; count-- > 0; of++)
+        for (m = x->at[of->over]; m <= x->at[of->over + 1]; m += of->pairs ? 1 : n) {
+            n = pk_least(PK_BLOCK, x->at[of->over + 1] + 1 - m);
+            if (!of->pairs) {
+                pk_evaluate(x, of, m, m + n, &e);
+                pk_add_up(e, n, 1, eight);
+                continue;
+            }
+            for (left = pk_partners(x, of, m, &j); left > 0; left -= n, j += n) {
+                n = pk_least(left, PK_BLOCK);
+                pk_evaluate_pairs(x, of, m, j, n, &e);
+                pk_add_up(e, n, 1, eight);
+            }
+        }
+    return pk_whole(eight);
+}
+
+/* Writes the values of some terms, each with one for each member or pair, one behind the other.
+ * With `out` NULL it only counts them. */
+PK_PERHAPS static size_t pk_list(const struct pk_members *x, const struct pk_terms *of, int count,
+                                 pk_real *out)
+{
+    size_t found = 0;
+    ptrdiff_t m, j, n, left;
+
+    for (; count-- > 0; of++)
+        for (m = x->at[of->over]; m <= x->at[of->over + 1]; m += of->pairs ? 1 : n) {
+            pk_real *to = out ? out + found : NULL;
+            n = pk_least(PK_BLOCK, x->at[of->over + 1] + 1 - m);
+            if (!of->pairs) {
+                if (out)
+                    pk_evaluate(x, of, m, m + n, &to);
+                found += (size_t)n;
+                continue;
+            }
+            for (left = pk_partners(x, of, m, &j); left > 0; left -= n, j += n) {
+                n = pk_least(left, PK_BLOCK);
+                to = out ? out + found : NULL;
+                if (out)
+                    pk_evaluate_pairs(x, of, m, j, n, &to);
+                found += (size_t)n;
+            }
+        }
+    return found;
+}
+
+/* Which member, or pair, value number k of pk_list() is of. */
+PK_PERHAPS static void pk_listed(const struct pk_members *x, const struct pk_terms *of, size_t k,
+                                 ptrdiff_t *i, ptrdiff_t *j)
+{
+    const size_t count = (size_t)pk_most(0, x->at[of->over + 1] + 1 - x->at[of->over]);
+
+    *j = 0;
+    *i = x->at[of->over] + (ptrdiff_t)k;
+    for (*i = x->at[of->over]; of->pairs; ++*i) {
+        const size_t n = (size_t)pk_partners(x, of, *i, j);
+        if (k < n) {
+            *j += (ptrdiff_t)k;
+            return;
+        }
+        k -= n;
+    }
+    *i += (ptrdiff_t)(k < count ? k : count);
+}
+
+/* Writes the values of sequences, from the first member to the last. to[g][r] is where value r of
+ * the first member of terms g goes; others follow. With `mutual` terms read what others have for
+ * members before, so that all go on together. */
+PK_PERHAPS static void pk_run_along(const struct pk_members *x, const struct pk_terms *of,
+                                    int count, pk_real *const *const *to, int mutual)
+{
+    pk_real *o[PK_MOST_SLOTS];
+    ptrdiff_t lo = PTRDIFF_MAX, hi = PTRDIFF_MIN, from, m, n;
+    int g, r;
+
+    for (g = 0; g < count; g++) {
+        lo = pk_least(lo, x->at[of[g].over]);
+        hi = pk_most(hi, x->at[of[g].over + 1]);
+    }
+    for (from = lo; from <= hi; from = mutual ? from + 1 : hi + 1)
+        for (g = 0; g < count; g++) {
+            const ptrdiff_t first = x->at[of[g].over];
+            const ptrdiff_t last = mutual ? pk_least(from, x->at[of[g].over + 1])
+                                          : x->at[of[g].over + 1];
+            for (m = pk_most(first, from); m <= last; m += n) {
+                n = pk_least(PK_BLOCK, last + 1 - m);
+                for (r = 0; r < of[g].n_values; r++)
+                    o[r] = to[g][r] + (m - first);
+                pk_evaluate(x, of + g, m, m + n, o);
+            }
+        }
+}
+
+#endif
+
+/* Factors a symmetric matrix as L D L^T in place, row by row without pivoting: a band, followed by
+ * a border of dense rows. Entry (i, j) of the lower triangle is
+ *
+ *     band[i * apart + j - i],  i - width <= j                 i < rows
+ *     below[(i - rows) * down + j * along],  j < rows          else
+ *     corner[(i - rows) * across + j - rows]
+ *
+ * 1/D is stored in place of D. The caller checks the pivots.
+ *
+ * Reference: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 4.3.
+ *
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+#ifndef PK_LDL_H
+#define PK_LDL_H
+
+struct pk_ldl {
+    ptrdiff_t rows, width, border, apart, down, along, across;
+    pk_real *band, *below, *corner;
+};
+
+/* Returns the first column of a row of the band. */
+PK_INLINE static ptrdiff_t pk_ldl_first(const struct pk_ldl *A, ptrdiff_t i)
+{
+    return i > A->width ? i - A->width : 0;
+}
+
+/* Returns a pointer x to row i of the band: x[j] is the entry in column j. */
+PK_INLINE static pk_real *pk_ldl_row(const struct pk_ldl *A, ptrdiff_t i)
+{
+    return A->band + i * (A->apart - 1);
+}
+
+/* Returns entry (i, j), j <= i. */
+PK_INLINE static pk_real *pk_ldl_entry(const struct pk_ldl *A, ptrdiff_t i, ptrdiff_t j)
+{
+    const ptrdiff_t n = A->rows;
+    if (i < n)
+        return pk_ldl_row(A, i) + j;
+    return j < n ? A->below + (i - n) * A->down + j * A->along
+                 : A->corner + (i - n) * A->across + j - n;
+}
+
+/* Pointers to one row of the matrix, with A->rows rows in the band: the entry in column j is row[j
+ * * step] if j < A->rows, otherwise corner[j]. */
+struct pk_ldl_parts {
+    pk_real *row, *corner;
+    ptrdiff_t step, from, to; /* stored columns of the band: from .. to - 1 */
+};
+PK_INLINE static struct pk_ldl_parts pk_ldl_parts(const struct pk_ldl *A, ptrdiff_t i)
+{
+    const ptrdiff_t n = A->rows;
+    struct pk_ldl_parts of = {pk_ldl_row(A, i), pk_ldl_row(A, i), 1, pk_ldl_first(A, i), i};
+    if (i >= n) {
+        of.row = A->below + (i - n) * A->down;
+        of.corner = A->corner + (i - n) * A->across - n;
+        of.step = A->along;
+        of.from = 0;
+        of.to = n;
+    }
+    return of;
+}
+
+/* Replaces the entries of a row in the columns before A->rows by the entries of L D. */
+PK_INLINE static void pk_ldl_multiply(const struct pk_ldl *A, pk_real *row, ptrdiff_t step,
+                                      ptrdiff_t from, ptrdiff_t to)
+{
+    ptrdiff_t j, k;
+    for (j = from; j < to; j++) {
+        const pk_real *other = pk_ldl_row(A, j);
+        const ptrdiff_t first = pk_ldl_first(A, j);
+        pk_real sum = row[j * step];
+        for (k = first > from ? first : from; k < j; k++)
+            sum -= row[k * step] * other[k];
+        row[j * step] = sum;
+    }
+}
+
+/* Replaces *x, an entry of L D, by the entry of L, its product with `inverse` = 1/D. Returns the
+ * product of both entries, which is to be subtracted from the pivot of the row. */
+PK_INLINE static pk_real pk_ldl_scale(pk_real *x, pk_real inverse)
+{
+    const pk_real scaled = *x;
+    *x = scaled * inverse;
+    return scaled * *x;
+}
+
+/* Replaces row i by the row of L; all rows before it must have been replaced. Returns the pivot of
+ * row i: its diagonal entry less a sum of terms. *added is the sum of the positive ones of these
+ * terms. */
+PK_INLINE static pk_real pk_ldl_pivot(const struct pk_ldl *A, ptrdiff_t i, pk_real *added)
+{
+    const ptrdiff_t n = A->rows;
+    const struct pk_ldl_parts of = pk_ldl_parts(A, i);
+    pk_real pivot = of.corner[i], less, more = 0;
+    ptrdiff_t j, k;
+
+    if (i < n)
+        pk_ldl_multiply(A, of.row, 1, of.from, i);
+    else
+        pk_ldl_multiply(A, of.row, of.step, 0, n);
+    for (j = n; j < i; j++) {
+        const struct pk_ldl_parts other = pk_ldl_parts(A, j);
+        pk_real sum = of.corner[j];
+        for (k = 0; k < n; k++)
+            sum -= of.row[k * of.step] * other.row[k * of.step];
+        for (k = n; k < j; k++)
+            sum -= of.corner[k] * other.corner[k];
+        of.corner[j] = sum;
+    }
+    for (j = of.from; j < of.to; j++) {
+        less = pk_ldl_scale(&of.row[j * of.step], A->band[j * A->apart]);
+        pivot -= less;
+        more += less > 0 ? less : 0;
+    }
+    for (j = n; j < i; j++) {
+        less = pk_ldl_scale(&of.corner[j], A->corner[(j - n) * (A->across + 1)]);
+        pivot -= less;
+        more += less > 0 ? less : 0;
+    }
+    *added = more;
+    return pivot;
+}
+
+/* Solves L^T y = x in place; only x[0 .. end - 1] may be nonzero. */
+PK_INLINE static void pk_ldl_back(const struct pk_ldl *A, ptrdiff_t end, pk_real *x)
+{
+    ptrdiff_t i, j;
+    for (i = end; i-- > 0;) {
+        const struct pk_ldl_parts of = pk_ldl_parts(A, i);
+        for (j = A->rows; j < i; j++)
+            x[j] -= of.corner[j] * x[i];
+        for (j = of.from; j < of.to; j++)
+            x[j] -= of.row[j * of.step] * x[i];
+    }
+}
+
+/* Solves A y = x in place. */
+PK_INLINE static void pk_ldl_substitute(const struct pk_ldl *A, pk_real *x)
+{
+    const ptrdiff_t all = A->rows + A->border;
+    ptrdiff_t i, j;
+    for (i = 0; i < all; i++) {
+        const struct pk_ldl_parts of = pk_ldl_parts(A, i);
+        for (j = of.from; j < of.to; j++)
+            x[i] -= of.row[j * of.step] * x[j];
+        for (j = A->rows; j < i; j++)
+            x[i] -= of.corner[j] * x[j];
+    }
+    for (i = 0; i < all; i++)
+        x[i] *= *pk_ldl_entry(A, i, i);
+    pk_ldl_back(A, all, x);
+}
+
+#endif
+
+/* Matrices of models with families: a band with a border of dense rows, to which terms add entries.
+ *
+ * The unknowns of the band are ordered by index: at each index the members of all families, then
+ * one row of every family of constraints, which belongs to the largest index of a coordinate in it.
+ * The factorization L D L^T of K = [M J^T; J 0] then needs no pivoting: each leading block of K is
+ * regular if the rows are independent. Behind the band come rows that reach around the end of a
+ * ring, then scalar coordinates and single rows.
+ *
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+#ifndef PK_MEMBERS_BAND_H
+#define PK_MEMBERS_BAND_H
+
+/* Kinds of unknowns: coordinates, rows of constraints, other unknowns, and places that are none. */
+enum pk_unknown_kind { PK_COORDINATE, PK_ROW, PK_OTHER, PK_NONE };
+
+/* Unknowns of a family, at index i in place i + ahead; rows with an index below one of at[wraps],
+ * ... (n_wraps of them), which reach around the end of a ring, lie behind all others. */
+struct pk_unknown {
+    enum pk_unknown_kind kind;
+    int family;
+    int homed; /* an index beyond an end stands for a member, or for none */
+    ptrdiff_t ahead;
+    int wraps, n_wraps;
+};
+
+/* The order of unknowns: `slots` at each index, then `border` of which there is one each. */
+struct pk_layout {
+    const struct pk_unknown *unknowns;
+    int slots, border;
+    ptrdiff_t width;
+    int spares;  /* the last of the border, which stand for rows that scalars alone make regular */
+    int carried; /* whether unknowns of kind PK_NONE are rows that define others */
+};
+
+struct pk_places {
+    const struct pk_layout *of;
+    ptrdiff_t base, span, places, banded, all;
+};
+
+PK_PERHAPS static int pk_wrapped(const struct pk_members *x, const struct pk_unknown *of,
+                                 ptrdiff_t i)
+{
+    int k;
+
+    for (k = 0; k < of->n_wraps; k++)
+        if (i < x->at[of->wraps + k])
+            return 1;
+    return 0;
+}
+
+PK_PERHAPS static struct pk_places pk_places_of(const struct pk_members *x,
+                                                const struct pk_layout *of)
+{
+    struct pk_places p = {of, PTRDIFF_MAX, 0, 0, 0, 0};
+    ptrdiff_t top = PTRDIFF_MIN, ring = PTRDIFF_MAX, count = 0;
+    int k, c;
+
+    for (k = 0; k < of->slots; k++) {
+        const ptrdiff_t *range = pk_range_of_family(x, of->unknowns[k].family);
+        p.base = pk_least(p.base, range[1] + of->unknowns[k].ahead);
+        if (of->unknowns[k].kind == PK_COORDINATE) {
+            top = pk_most(top, range[2]);
+            if (x->families[of->unknowns[k].family].ring)
+                ring = pk_least(ring, range[2]);
+        }
+    }
+    p.span = top - p.base + 1;
+    for (k = 0; k < of->slots; k++) {
+        const struct pk_unknown *u = of->unknowns + k;
+        const ptrdiff_t hi = pk_range_of_family(x, u->family)[2];
+        count = pk_most(count, hi + u->ahead - p.base + 1 + (pk_wrapped(x, u, hi) ? p.span : 0));
+        for (c = 0; c < u->n_wraps; c++)
+            count = pk_most(count,
+                            pk_least(hi, x->at[u->wraps + c] - 1) + u->ahead + p.span - p.base + 1);
+    }
+    p.places = pk_most(count, p.span) * of->slots;
+    p.banded = p.places;
+    if (ring < PTRDIFF_MAX)
+        p.banded = pk_most(0, (ring - p.base + 1) * of->slots - of->width);
+    p.all = p.places + of->border;
+    return p;
+}
+
+/* The place of an unknown at index i; -1 if it is given. */
+PK_PERHAPS static ptrdiff_t pk_place(const struct pk_members *x, const struct pk_places *p,
+                                     int unknown, ptrdiff_t i)
+{
+    const struct pk_unknown *u = p->of->unknowns + unknown;
+
+    if (unknown >= p->of->slots)
+        return p->places + unknown - p->of->slots;
+    if (u->homed) {
+        i = pk_home(x, u->family, i);
+        if (i < pk_range_of_family(x, u->family)[1])
+            return -1;
+    }
+    return (i + u->ahead + (pk_wrapped(x, u, i) ? p->span : 0) - p->base) * p->of->slots + unknown;
+}
+
+/* A walk over all places: the place, its unknown, and the index there. */
+struct pk_walk {
+    ptrdiff_t i, m;
+    int unknown;
+};
+
+PK_PERHAPS static struct pk_walk pk_walk_at(const struct pk_places *p, ptrdiff_t i)
+{
+    const ptrdiff_t slots = p->of->slots;
+    struct pk_walk at = {i, p->base, (int)(slots + i - p->places)};
+    if (i < p->places) {
+        at.m += i / slots;
+        at.unknown = (int)(i % slots);
+    }
+    return at;
+}
+
+PK_INLINE static void pk_walk_on(const struct pk_places *p, struct pk_walk *at)
+{
+    at->unknown++;
+    if (++at->i <= p->places && at->unknown == p->of->slots) {
+        at->m++;
+        at->unknown = at->i < p->places ? 0 : p->of->slots;
+    }
+}
+
+/* What is in a place: the number of a coordinate; -2 - k for row k of constraints; -2 for another
+ * unknown, or -1 for none. */
+PK_INLINE static ptrdiff_t pk_there(const struct pk_members *x, const struct pk_places *p,
+                                    struct pk_walk at)
+{
+    const struct pk_unknown *u = p->of->unknowns + at.unknown;
+    const ptrdiff_t *range = pk_range_of_family(x, u->family);
+    ptrdiff_t m = range[1];
+
+    if (u->kind == PK_NONE)
+        return -1;
+    if (at.unknown < p->of->slots) {
+        m = at.m - u->ahead;
+        if (u->n_wraps && (m > range[2] || m < range[1] || pk_wrapped(x, u, m)))
+            m -= p->span;
+        if (m < range[1] || m > range[2] || (u->n_wraps && pk_place(x, p, at.unknown, m) != at.i))
+            return -1;
+    }
+    if (u->kind == PK_OTHER)
+        return -2;
+    return u->kind == PK_ROW ? -2 - (range[0] + m - range[1]) : range[0] + m - range[1];
+}
+
+PK_PERHAPS static ptrdiff_t pk_in_place(const struct pk_members *x, const struct pk_places *p,
+                                        ptrdiff_t i)
+{
+    return pk_there(x, p, pk_walk_at(p, i));
+}
+
+/* -- entries ---------------------------------------------------------------------------------- */
+
+/* A row or column: an unknown of the layout, at index of_m * m + shift + at[extra]. */
+struct pk_cell {
+    int unknown, of_m;
+    ptrdiff_t shift;
+    int extra;
+};
+
+/* Value number `value` of terms, times `sign`, is added to an entry of output number `output`. */
+struct pk_entry {
+    int terms, value, sign, output;
+    struct pk_cell row, column;
+};
+
+struct pk_matrix {
+    const struct pk_terms *terms;
+    const struct pk_entry *entries;
+    int n_terms, n_entries, most; /* values of one term */
+    ptrdiff_t chunk;
+};
+
+/* What is done with entries of M or J: they are added to the lower triangle of K, or those of J in
+ * both triangles, once; to the diagonal of M by coordinates; |J| x and J^T x are added to out; or
+ * they are added to the bands of `matrices` (struct pk_pattern). */
+enum pk_use { PK_TO_M, PK_TO_K, PK_TO_DIAGONAL, PK_TO_SIZES, PK_TO_PULL, PK_TO_BANDS };
+struct pk_into {
+    enum pk_use use;
+    struct pk_ldl A;
+    const pk_real *x;
+    pk_real *out, *matrices[3];
+};
+
+PK_PERHAPS static ptrdiff_t pk_cell_index(const struct pk_members *x, const struct pk_cell *of,
+                                          ptrdiff_t m)
+{
+    return of->of_m * m + of->shift + (of->extra ? x->at[of->extra] : 0);
+}
+
+/* The number of a coordinate, or of a row of constraints; -1 if it is given. */
+PK_PERHAPS static ptrdiff_t pk_number(const struct pk_members *x, const struct pk_places *p,
+                                      int unknown, ptrdiff_t i)
+{
+    const struct pk_unknown *u = p->of->unknowns + unknown;
+    const ptrdiff_t *range = pk_range_of_family(x, u->family);
+
+    if (unknown >= p->of->slots)
+        i = range[1];
+    else if (u->homed)
+        i = pk_home(x, u->family, i);
+    return i < range[1] ? -1 : range[0] + i - range[1];
+}
+
+PK_PERHAPS static void pk_to_band(const struct pk_places *p, pk_real *A, ptrdiff_t i, ptrdiff_t j,
+                                  pk_real x)
+{
+    const ptrdiff_t rows = p->banded, width = p->of->width, border = p->all - rows;
+    const ptrdiff_t right = rows * (2 * width + 1);
+
+    if (i < rows && j < rows)
+        A[i * (2 * width + 1) + j - i + width] += x;
+    else if (i < rows)
+        A[right + i * border + j - rows] += x;
+    else if (j < rows)
+        A[right + (rows + j) * border + i - rows] += x;
+    else
+        A[right + (2 * rows + i - rows) * border + j - rows] += x;
+}
+
+/* Narrows the members m + lo .. m + hi - 1 to those at which a cell is a member itself, in the band;
+ * *place is its place at m, and steps by the slots. */
+PK_PERHAPS static void pk_straight(const struct pk_members *x, const struct pk_places *p,
+                                   const struct pk_cell *of, ptrdiff_t m, ptrdiff_t *lo,
+                                   ptrdiff_t *hi, ptrdiff_t *place)
+{
+    const struct pk_unknown *u = p->of->unknowns + of->unknown;
+    const ptrdiff_t *range = pk_range_of_family(x, u->family), i = pk_cell_index(x, of, m);
+
+    if (of->unknown >= p->of->slots || of->of_m != 1 || u->n_wraps) {
+        *hi = *lo;
+        return;
+    }
+    *place = (i + u->ahead - p->base) * p->of->slots + of->unknown;
+    *lo = pk_most(*lo, range[1] - i);
+    *hi = pk_least(*hi, range[2] + 1 - i);
+    *hi = pk_least(*hi, (p->banded - 1 - *place) / p->of->slots + (p->banded > *place));
+}
+
+/* Adds x at places that are a step apart. */
+PK_PERHAPS static void pk_add_steps(pk_real *to, ptrdiff_t step, ptrdiff_t n, pk_real sign,
+                                    const pk_real *x)
+{
+    ptrdiff_t c;
+
+    for (c = 0; c < n; c++)
+        to[c * step] += sign * x[c];
+}
+
+/* Adds all entries of a matrix. */
+PK_PERHAPS static void pk_scatter(const struct pk_members *x, const struct pk_places *p,
+                                  const struct pk_matrix *of, pk_real *e, const struct pk_into *to)
+{
+    const int numbers = to->use >= PK_TO_DIAGONAL && to->use <= PK_TO_PULL;
+    const ptrdiff_t width = p->of->width, slots = p->of->slots;
+    pk_real *o[PK_MOST_SLOTS];
+    int g, k, next = 0;
+
+    for (k = 0; k < of->most; k++)
+        o[k] = e + k * of->chunk;
+    for (g = 0; g < of->n_terms; g++) {
+        const struct pk_terms *terms = of->terms + g;
+        const int first = next;
+        ptrdiff_t m, n, c;
+        while (next < of->n_entries && of->entries[next].terms == g)
+            next++;
+        for (m = x->at[terms->over]; m <= x->at[terms->over + 1]; m += n) {
+            n = pk_least(of->chunk, x->at[terms->over + 1] + 1 - m);
+            pk_evaluate(x, terms, m, m + n, o);
+            for (k = first; k < next; k++) {
+                const struct pk_entry *entry = of->entries + k;
+                const pk_real sign = (pk_real)entry->sign, *value = o[entry->value];
+                ptrdiff_t lo = 0, hi = numbers ? 0 : n, of_row = 0, of_column = 0;
+                pk_straight(x, p, &entry->row, m, &lo, &hi, &of_row);
+                pk_straight(x, p, &entry->column, m, &lo, &hi, &of_column);
+                if (lo < hi && to->use == PK_TO_BANDS)
+                    pk_add_steps(to->matrices[entry->output] + of_row * (2 * width + 1) +
+                                     of_column - of_row + width + lo * slots * (2 * width + 1),
+                                 slots * (2 * width + 1), hi - lo, sign, value + lo);
+                else if (lo < hi && (to->use == PK_TO_K || of_row >= of_column))
+                    pk_add_steps(pk_ldl_entry(&to->A, pk_most(of_row, of_column) + lo * slots,
+                                              pk_least(of_row, of_column) + lo * slots),
+                                 slots * to->A.apart, hi - lo, sign, value + lo);
+                for (c = 0; c < n; c++) {
+                    ptrdiff_t row, column, i, j;
+                    pk_real one;
+                    if (c == lo && lo < hi && (c = hi) >= n)
+                        break;
+                    row = pk_cell_index(x, &entry->row, m + c);
+                    column = pk_cell_index(x, &entry->column, m + c);
+                    i = (numbers ? pk_number : pk_place)(x, p, entry->row.unknown, row);
+                    j = (numbers ? pk_number : pk_place)(x, p, entry->column.unknown, column);
+                    one = sign * value[c];
+                    if (i < 0 || j < 0)
+                        continue;
+                    switch (to->use) {
+                    case PK_TO_M:
+                        if (i >= j)
+                            *pk_ldl_entry(&to->A, i, j) += one;
+                        break;
+                    case PK_TO_K:
+                        *pk_ldl_entry(&to->A, pk_most(i, j), pk_least(i, j)) += one;
+                        break;
+                    case PK_TO_DIAGONAL:
+                        if (i == j)
+                            to->out[i] += one;
+                        break;
+                    case PK_TO_SIZES:
+                        to->out[i] += PK_F(fabs)(one) * to->x[j];
+                        break;
+                    case PK_TO_PULL:
+                        to->out[j] += one * to->x[i];
+                        break;
+                    default:
+                        pk_to_band(p, to->matrices[entry->output], i, j, one);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/* -- M and K ---------------------------------------------------------------------------------- */
+
+PK_PERHAPS static size_t pk_matrix_size(const struct pk_places *p)
+{
+    return (size_t)(p->banded * (p->of->width + 1) + (p->all - p->banded) * p->all);
+}
+
+PK_PERHAPS static struct pk_ldl pk_lower(const struct pk_places *p, pk_real *M)
+{
+    const ptrdiff_t width = p->of->width, all = p->all;
+    struct pk_ldl A = {0, 0, 0, 0, 0, 1, 0, NULL, NULL, NULL};
+
+    A.rows = p->banded, A.width = width, A.border = all - p->banded;
+    A.apart = width + 1, A.down = A.across = all;
+    A.band = M + width;
+    A.below = M + p->banded * (width + 1);
+    A.corner = A.below + p->banded;
+    return A;
+}
+
+/* Writes M, in the shape of K: 1 on the diagonal where nothing is, 0 in rows of constraints. */
+PK_PERHAPS static void pk_inertia(const struct pk_members *x, const struct pk_places *p,
+                                  const struct pk_matrix *mass, pk_real *e, pk_real *M)
+{
+    const size_t size = pk_matrix_size(p);
+    struct pk_into to = {
+        PK_TO_M, {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL}, NULL, NULL, {NULL, NULL, NULL}};
+    struct pk_walk at = pk_walk_at(p, 0);
+    size_t k;
+
+    to.A = pk_lower(p, M);
+    for (k = 0; k < size; k++)
+        M[k] = 0;
+    for (; at.i < p->all; pk_walk_on(p, &at))
+        if (pk_there(x, p, at) < 0)
+            *pk_ldl_entry(&to.A, at.i, at.i) = 1;
+    pk_scatter(x, p, mass, e, &to);
+}
+
+/* Adds the entries of J to K; clears the diagonal of its rows. */
+PK_PERHAPS static void pk_tie(const struct pk_members *x, const struct pk_places *p,
+                              const struct pk_matrix *J, pk_real *e, pk_real *K)
+{
+    struct pk_into to = {
+        PK_TO_K, {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL}, NULL, NULL, {NULL, NULL, NULL}};
+    int k;
+
+    to.A = pk_lower(p, K);
+    for (k = 0; k < J->n_entries; k++) {
+        const struct pk_entry *entry = J->entries + k;
+        const int over = J->terms[entry->terms].over;
+        ptrdiff_t m;
+        if (k && entry[-1].terms == entry->terms && entry[-1].row.unknown == entry->row.unknown)
+            continue;
+        for (m = x->at[over]; m <= x->at[over + 1]; m++) {
+            const ptrdiff_t i =
+                pk_place(x, p, entry->row.unknown, pk_cell_index(x, &entry->row, m));
+            *pk_ldl_entry(&to.A, i, i) = 0;
+        }
+    }
+    pk_scatter(x, p, J, e, &to);
+}
+
+/* What scalar coordinates add to J M^-1 J^T of a row that lies before them, where only they have
+ * that inertia. */
+PK_PERHAPS static pk_real pk_by_scalars(const struct pk_members *x, const struct pk_places *p,
+                                        const struct pk_ldl *A, ptrdiff_t i)
+{
+    pk_real sum = 0;
+    ptrdiff_t k;
+
+    for (k = p->places; k < p->all; k++) {
+        const pk_real of_i = *pk_ldl_entry(A, k, i), own = *pk_ldl_entry(A, k, k);
+        if (pk_in_place(x, p, k) >= 0)
+            sum += own > 0 ? of_i * of_i / own : 0;
+    }
+    return sum;
+}
+
+/* The coordinate to name for an unknown that may be carried: one at its place, or the last before
+ * it. Coordinates are numbered before carried values, from `count` on. */
+PK_PERHAPS static ptrdiff_t pk_moved(const struct pk_members *x, const struct pk_places *p,
+                                     ptrdiff_t count, ptrdiff_t i)
+{
+    const ptrdiff_t slots = p->of->slots, last = i < p->places ? i - i % slots + slots : i + 1;
+    ptrdiff_t j, own;
+
+    for (j = i; j < last; j++)
+        if ((own = pk_in_place(x, p, j)) >= 0 && own < count)
+            return own;
+    for (j = i; j-- > 0;)
+        if ((own = pk_in_place(x, p, j)) >= 0 && own < count)
+            return own;
+    return 0;
+}
+
+/* The diagonal entry of J M^-1 J^T for one constraint row, without the other rows. */
+PK_PERHAPS static pk_real pk_norm(const struct pk_members *x, const struct pk_places *p,
+                                  const struct pk_ldl *A, ptrdiff_t i)
+{
+    pk_real sum = 0;
+    ptrdiff_t j;
+
+    for (j = i < A->rows ? pk_ldl_first(A, i) : 0; j < i; j++) {
+        const pk_real of_j = *pk_ldl_entry(A, i, j);
+        if (pk_in_place(x, p, j) >= -1)
+            sum += of_j * of_j / *pk_ldl_entry(A, j, j);
+    }
+    return sum;
+}
+
+/* Factors K = L D L^T in place. Returns 0, or the failure of a pivot that is not positive, or of a
+ * row of constraints not negative. `count` is the number of coordinates. Writes the pivots of rows,
+ * and what these are without other rows, unless both are NULL.
+ *
+ * A row may be regular by a scalar coordinate alone, which comes behind it: its pivot d, all but 0,
+ * becomes d - s then, and z with s x - s z = 0 is one more unknown, behind all: what K x lacks is s
+ * z. The pivot of z is -s t / (s + t), where t is the row's own behind all others. `spared` has the
+ * place of the row for each such z. */
+PK_PERHAPS static int pk_factored(const struct pk_members *x, const struct pk_places *p,
+                                  ptrdiff_t count, pk_real *K, pk_real *spared, pk_real *pivots,
+                                  pk_real *norms)
+{
+    const struct pk_ldl A = pk_lower(p, K);
+    const int spares = p->of->spares, carried = p->of->carried;
+    const ptrdiff_t all = p->all;
+    struct pk_walk walk = pk_walk_at(p, 0);
+    ptrdiff_t i, used = 0;
+
+    for (i = 0; i < spares; i++)
+        spared[i] = -1;
+    for (i = 0; i < all; pk_walk_on(p, &walk), i++) {
+        const pk_real diagonal = *pk_ldl_entry(&A, i, i);
+        const ptrdiff_t own = pk_there(x, p, walk), row = -2 - own, spare = i - all + spares;
+        pk_real added, pivot = pk_ldl_pivot(&A, i, &added);
+        if (carried && diagonal == 0 && own == -1 && spare < 0) {
+            if (!(pivot < 0))
+                return PK_FAILED(PK_FAILURE_MASS, pk_moved(x, p, count, i));
+        } else if (!(diagonal > 0) && own < -1) {
+            pk_real more = 0;
+            if (i < p->places && used < spares)
+                more = pk_by_scalars(x, p, &A, i) + (carried ? added : 0);
+            if (more > 0 && -pivot < PK_C(1e-4) * more) {
+                const ptrdiff_t at = all - spares + used;
+                spared[used++] = (pk_real)i;
+                *pk_ldl_entry(&A, at, i) = more;
+                *pk_ldl_entry(&A, at, at) = -more;
+                pivot -= more;
+                if (norms)
+                    norms[row] = (carried ? pk_norm(x, p, &A, i) : added) + more;
+            } else {
+                if (!(-pivot > PK_PIVOT_MIN * added))
+                    return PK_FAILED(PK_FAILURE_CONSTRAINT, row);
+                if (pivots)
+                    pivots[row] = -pivot, norms[row] = carried ? pk_norm(x, p, &A, i) : added;
+            }
+        } else if (spare >= 0 && spared[spare] >= 0) {
+            const ptrdiff_t of = -2 - pk_in_place(x, p, (ptrdiff_t)spared[spare]);
+            if (!(-pivot > PK_PIVOT_MIN * -diagonal))
+                return PK_FAILED(PK_FAILURE_CONSTRAINT, of);
+            if (pivots)
+                pivots[of] = pivot * diagonal / (pivot - diagonal);
+        } else if (!(diagonal > 0 && pivot > PK_PIVOT_MIN * diagonal))
+            return PK_FAILED(PK_FAILURE_MASS, carried ? pk_moved(x, p, count, i) : own);
+        *pk_ldl_entry(&A, i, i) = 1 / pivot;
+    }
+    return 0;
+}
+
+/* Solves M d - J^T mu = f, J d = r, for factored K; f NULL means 0; r and mu are not used without
+ * rows. z has room for all unknowns. */
+PK_PERHAPS static void pk_solved(const struct pk_members *x, const struct pk_places *p,
+                                 ptrdiff_t count, pk_real *K, pk_real *z, const pk_real *f,
+                                 const pk_real *r, pk_real *d, pk_real *mu)
+{
+    const struct pk_ldl A = pk_lower(p, K);
+    struct pk_walk at = pk_walk_at(p, 0);
+
+    for (; at.i < p->all; pk_walk_on(p, &at)) {
+        const ptrdiff_t own = pk_there(x, p, at);
+        z[at.i] = own >= 0 ? (f ? f[own] : 0) : own < -1 ? r[-2 - own] : 0;
+    }
+    pk_ldl_substitute(&A, z);
+    for (at = pk_walk_at(p, 0); at.i < p->all; pk_walk_on(p, &at)) {
+        const ptrdiff_t own = pk_there(x, p, at);
+        if (own >= 0 && own < count)
+            d[own] = z[at.i];
+        else if (own < -1)
+            mu[-2 - own] = -z[at.i];
+    }
+}
+
+/* For the row of constraints that had no pivot: L^T z = its unit vector, so that K z = 0. Writes
+ * the coefficients of the rows, that of the row itself 1. */
+PK_PERHAPS static void pk_shares(const struct pk_members *x, const struct pk_places *p, pk_real *K,
+                                 pk_real *z, const pk_real *spared, ptrdiff_t rows, ptrdiff_t row,
+                                 pk_real *out)
+{
+    const struct pk_ldl A = pk_lower(p, K);
+    ptrdiff_t i, last = 0;
+
+    for (i = 0; i < p->all; i++) {
+        const ptrdiff_t own = pk_in_place(x, p, i);
+        z[i] = 0;
+        if (own < -1)
+            out[-2 - own] = 0;
+        if (own == -2 - row)
+            last = i;
+    }
+    for (i = 0; i < p->of->spares; i++)
+        if ((ptrdiff_t)spared[i] == last)
+            last = p->all - p->of->spares + i;
+    z[last] = 1;
+    pk_ldl_back(&A, last + 1, z);
+    for (i = 0; i <= last; i++) {
+        const ptrdiff_t own = pk_in_place(x, p, i);
+        if (own < -1)
+            out[-2 - own] = z[i];
+    }
+    for (i = 0; i < rows; i++)
+        z[i] = out[i] / out[row];
+    for (i = 0; i < rows; i++)
+        out[i] = z[i];
+}
+
+/* D of M = L D L^T by coordinate: 0 where it is not positive, behind that the diagonal of M. */
+PK_PERHAPS static void pk_pivots(const struct pk_members *x, const struct pk_places *p,
+                                 ptrdiff_t count, pk_real *K, int failed, pk_real *out)
+{
+    const struct pk_ldl A = pk_lower(p, K);
+    ptrdiff_t i;
+    int behind = 0;
+
+    for (i = 0; i < p->all; i++) {
+        const ptrdiff_t own = pk_in_place(x, p, i);
+        const pk_real kept = *pk_ldl_entry(&A, i, i);
+        if (own < 0 || own >= count)
+            continue;
+        out[own] = failed && own == PK_FAILURE_AT(failed) ? 0 : behind ? kept : 1 / kept;
+        behind |= failed && own == PK_FAILURE_AT(failed);
+    }
+}
+
+/* -- Jacobians -------------------------------------------------------------------------------- */
+
+/* Writes matrices in bands, with 1 on the diagonal of the first where no unknown is, or with
+ * `only_rates` where no coordinate is. */
+PK_PERHAPS static void pk_bands(const struct pk_members *x, const struct pk_places *p,
+                                const struct pk_matrix *of, pk_real *e, int ones, int n, pk_real *a,
+                                pk_real *b, pk_real *c)
+{
+    const ptrdiff_t border = p->all - p->banded;
+    const ptrdiff_t size = p->banded * (2 * p->of->width + 1) + (2 * p->banded + border) * border;
+    struct pk_into to = {
+        PK_TO_BANDS, {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL}, NULL, NULL, {NULL, NULL, NULL}};
+    struct pk_walk at;
+    ptrdiff_t i;
+    int k;
+
+    to.matrices[0] = a, to.matrices[1] = b, to.matrices[2] = c;
+    for (k = 0; k < n; k++)
+        for (i = 0; i < size; i++)
+            to.matrices[k][i] = 0;
+    for (at = pk_walk_at(p, 0); ones && at.i < p->all; pk_walk_on(p, &at)) {
+        const ptrdiff_t own = pk_there(x, p, at);
+        if (own == -1 || (ones > 1 && own < 0))
+            pk_to_band(p, a, at.i, at.i, 1);
+    }
+    pk_scatter(x, p, of, e, &to);
+}
+
+#endif
+
+/* Steps of splitting methods with the accelerations of members: kicks v += h a and drifts q += h v.
+ * Sums are not compensated.
+ *
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+#ifndef PK_MEMBERS_STEPS_H
+#define PK_MEMBERS_STEPS_H
+
+#define PK_STAGES 32 /* kicks and drifts in one pass over memory */
+#define PK_MOST_CARRIED 64
+
+/* Kicks and drifts the rows from .. to - 1, at most a chunk. `carried` has the values of terms
+ * before the row `from` (none if `known` is 0), and then those before the row `to`. */
+PK_PERHAPS static void pk_stage(const struct pk_members *x, const struct pk_vector *of, pk_real *e,
+                                pk_real *carried, int known, ptrdiff_t from, ptrdiff_t to,
+                                pk_real kappa, pk_real delta, pk_real *q, pk_real *v)
+{
+    struct pk_addition added[PK_MOST_ADDITIONS];
+    const ptrdiff_t h = of->most - of->least;
+    pk_real a[PK_BLOCK], *at = a;
+    ptrdiff_t k;
+    int g, i, n_added;
+
+    for (i = 0; known && i < of->n_values; i++)
+        for (k = 0; k < h; k++)
+            e[i * of->width + k] = carried[i * h + k];
+    n_added = pk_additions(x, of, e + of->n_values * of->width, added, NULL, from, to);
+    pk_fill(x, of, from, to - from, known ? h : 0, e);
+    for (g = 0; g < of->n_sets; g++) {
+        const struct pk_row_set *set = of->sets + g;
+        const ptrdiff_t *range = pk_range_of_family(x, set->family);
+        const ptrdiff_t lo = pk_most(from, range[1]), n = pk_least(to, range[2] + 1) - lo;
+        pk_real *const own_q = q + range[0] + lo - range[1], *const own_v = v + range[0] + lo -
+                                                                            range[1];
+        if (n <= 0)
+            continue;
+        if (!n_added) {
+            set->kick(e + of->most + (lo - from), n, kappa, delta, own_q, own_v);
+            continue;
+        }
+        (void)pk_some_rows(of, set, lo, lo + n, e + of->most + (lo - from), added, n_added, &at);
+        for (k = 0; k < n; k++) {
+            own_v[k] += kappa * a[k];
+            own_q[k] += delta * own_v[k];
+        }
+    }
+    for (i = 0; i < of->n_values; i++)
+        for (k = 0; k < h; k++)
+            carried[i * h + k] = e[i * of->width + (to - from) + k];
+}
+
+/* One pass over memory: `count` stages, each a kick by kappa[s] at time[s] and a drift by delta[s].
+ * Each begins where the one before it has drifted, `lag` members behind that one's end. */
+PK_PERHAPS static void pk_one_pass(struct pk_members *x, const struct pk_vector *of, pk_real *e,
+                                   ptrdiff_t lag, int count, const pk_real *time,
+                                   const pk_real *delta, const pk_real *kappa, pk_real *q,
+                                   pk_real *v)
+{
+    pk_real carried[PK_STAGES][PK_MOST_CARRIED];
+    ptrdiff_t first = PTRDIFF_MAX, end = PTRDIFF_MIN, done[PK_STAGES], begin;
+    int g, s;
+
+    for (g = 0; g < of->n_sets; g++) {
+        first = pk_least(first, pk_range_of_family(x, of->sets[g].family)[1]);
+        end = pk_most(end, pk_range_of_family(x, of->sets[g].family)[2] + 1);
+    }
+    for (s = 0; s < count; s++)
+        done[s] = first;
+    for (begin = first; done[count - 1] < end; begin += of->chunk)
+        for (s = 0; s < count; s++) {
+            const ptrdiff_t ahead = s == 0               ? begin + of->chunk
+                                    : done[s - 1] == end ? end
+                                                         : done[s - 1] - lag;
+            const ptrdiff_t to = pk_least(ahead, end);
+            ptrdiff_t from = done[s];
+            if (to < end && end - to < lag && to - from > lag)
+                continue; /* the last rows go together, since terms beyond the end read them */
+            x->t = time[s];
+            for (; from < to; from = done[s]) {
+                done[s] = pk_least(to, from + of->chunk);
+                if (done[s] < to && to - done[s] < lag)
+                    done[s] = to - lag;
+                pk_stage(x, of, e, carried[s], from > first, from, done[s], kappa[s], delta[s], q,
+                         v);
+            }
+        }
+}
+
+/* A kick and a drift of a ring: first are kicked, before anything drifts, `trail` rows at each end,
+ * whose terms reach around it. */
+PK_PERHAPS static void pk_around(const struct pk_members *x, const struct pk_vector *of, pk_real *e,
+                                 ptrdiff_t trail, pk_real kappa, pk_real delta, pk_real *q,
+                                 pk_real *v)
+{
+    const ptrdiff_t *range = pk_range_of_family(x, of->sets[0].family);
+    const ptrdiff_t first = range[1], end = range[2] + 1;
+    const ptrdiff_t low = pk_least(first + trail, end), high = pk_most(low, end - trail);
+    pk_real carried[PK_MOST_CARRIED];
+    ptrdiff_t from, to, k;
+    int g;
+
+    if (low > first)
+        pk_stage(x, of, e, carried, 0, first, low, kappa, 0, q, v);
+    if (end > high)
+        pk_stage(x, of, e, carried, 0, high, end, kappa, 0, q, v);
+    for (from = low; from < high; from = to) {
+        to = pk_least(high, from + of->chunk);
+        pk_stage(x, of, e, carried, from > low, from, to, kappa, delta, q, v);
+    }
+    for (g = 0; g < of->n_sets; g++) {
+        const ptrdiff_t place = pk_range_of_family(x, of->sets[g].family)[0] - first;
+        for (k = first; k < end; k = k + 1 == low ? high : k + 1)
+            q[place + k] += delta * v[place + k];
+    }
+}
+
+/* Makes `steps` steps of h from time t, in place: kicks v += kick[i] h a(q, t) for i = 0 .. stages,
+ * and drifts q += drift[i] h v between them. The last kick of a step and the first of the next are
+ * one. e has the room that two of pk_compute() need; n is the number of coordinates. With a lag,
+ * terms of rows from m on read no rows before m, and none m + lag or further; the stages of several
+ * steps are then made in one pass over memory. Rings of equal length have minus this lag. */
+PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_vector *of, pk_real *e,
+                                  ptrdiff_t lag, int stages, const pk_real *kick,
+                                  const pk_real *drift, pk_real t, pk_real h, unsigned long steps,
+                                  ptrdiff_t n, pk_real *q, pk_real *v)
+{
+    const pk_real ends = kick[stages] * h;
+    pk_real time[PK_STAGES], delta[PK_STAGES], kappa[PK_STAGES];
+    unsigned long k;
+    ptrdiff_t j;
+    int i, count = 0;
+
+    for (k = 0; k <= steps && steps; k++) {
+        pk_real done = 0; /* fraction of the step drifted so far */
+        for (i = 0; i < (k < steps ? stages : ends > 0 || ends < 0); i++) {
+            time[count] = t + (pk_real)k * h + done * h;
+            kappa[count] = i            ? kick[i] * h
+                           : k == steps ? ends
+                           : k > 0      ? ends + kick[0] * h
+                                        : kick[0] * h;
+            delta[count] = k < steps ? drift[i] * h : 0;
+            done += k < steps ? drift[i] : 0;
+            if (lag < 0) {
+                x->t = time[0];
+                pk_around(x, of, e, -lag, kappa[0], delta[0], q, v);
+            } else if (!lag) {
+                x->t = time[0];
+                if (kappa[0] > 0 || kappa[0] < 0)
+                    (void)pk_compute(x, of, e, &v, v, kappa[0]);
+                for (j = 0; j < n; j++)
+                    q[j] += delta[0] * v[j];
+            } else if (++count == PK_STAGES) {
+                pk_one_pass(x, of, e, lag, count, time, delta, kappa, q, v);
+                count = 0;
+            }
+        }
+    }
+    if (count)
+        pk_one_pass(x, of, e, lag, count, time, delta, kappa, q, v);
+}
+
+#endif
+
+static pk_real fput_given(const struct pk_members *x, int family, int order, ptrdiff_t i);
 
 void fput_sizes(struct fput_params *p)
 {
@@ -45,22 +1623,54 @@ static int fput_fits(const struct fput_params *p)
     return 1;
 }
 
-size_t fput_mass_size(const struct fput_params *p)
+static const struct pk_family fput_families[1] = {{0, 0, 0}};
+
+static const struct pk_unknown fput_slopes_unknowns[1] = {
+    {PK_COORDINATE, 0, 1, 0, 0, 0}};
+static const struct pk_layout fput_slopes_layout = {fput_slopes_unknowns, 1, 0, 1, 0, 0};
+
+/* Ranges of families and of sums, and places in memory, for the sizes in p. */
+static ptrdiff_t fput_place(struct fput_params *p)
 {
-    return fput_count(p);
+    ptrdiff_t *const at = p->at_;
+
+    (void)p;
+    at[0] = 0, at[1] = 1, at[2] = p->N;
+    at[3] = 0;
+    at[4] = p->N;
+    at[5] = 1;
+    at[6] = p->N;
+    at[7] = 0;
+    return at[7];
+}
+
+PK_PERHAPS static struct pk_members fput_members(const struct fput_params *p, pk_real t,
+                                                 const pk_real *q, const pk_real *v,
+                                                 const pk_real *u)
+{
+    struct pk_members x = {p, fput_families, p->at_, fput_given, t, u, {NULL}};
+
+    x.arrays[PK_OF_Q] = q;
+    x.arrays[PK_OF_V] = v;
+    return x;
 }
 
 size_t fput_block_size(const struct fput_params *p)
 {
-    size_t reals = 0;
+    struct fput_params own = *p;
+    ptrdiff_t reals;
+
     if (!fput_fits(p))
         return 0;
-    return reals * sizeof(pk_real);
+    reals = fput_place(&own);
+    return (size_t)reals * sizeof(pk_real);
 }
 
 void fput_attach(struct fput_params *p, void *block)
 {
-    p->work_ = (pk_real *)block;
+    pk_real *next = (pk_real *)block;
+    p->work_ = next;
+    (void)fput_place(p);
 }
 
 void fput_defaults(struct fput_params *p)
@@ -117,343 +1727,391 @@ void fput_start(const struct fput_params *p, pk_real *q, pk_real *v)
     }
 }
 
-/* Cells beyond an end: of which cell they are the image, and what they hold. */
-
-static ptrdiff_t fput_home_q(const struct fput_params *p, ptrdiff_t i)
+/* Values, rates and accelerations of given members. */
+static pk_real fput_given(const struct pk_members *x, int family, int order, ptrdiff_t i)
 {
-    (void)p;
-    return i >= 1 && i <= p->N ? i : (1) - 1; /* none: given */
+    const struct fput_params *p = (const struct fput_params *)x->params;
+    const pk_real t = x->t, *const u = x->u;
+
+    (void)p, (void)t, (void)u, (void)family, (void)order, (void)i;
+    if (family == 0 && i == 0)
+        switch (order) {
+        case 0: {
+            return 0;
+        }
+        case 1: {
+            return 0;
+        }
+        default: {
+            return 0;
+        }
+        }
+    if (family == 0 && i == p->N + 1)
+        switch (order) {
+        case 0: {
+            return 0;
+        }
+        case 1: {
+            return 0;
+        }
+        default: {
+            return 0;
+        }
+        }
+    return 0;
 }
 
-static pk_real fput_q_q(const struct fput_params *p, pk_real t, const pk_real *x,
-                        const pk_real *u, ptrdiff_t m)
+PK_TERM(fput_force_0)
 {
-    (void)p, (void)t, (void)x, (void)u;
-    if (m >= 1 && m <= p->N)
-        return x[m - 1];
-    if (m == 0) {
-        return 0;
-    }
-    if (m == p->N + 1) {
-        return 0;
-    }
-    return 0; /* never: prepare() refuses sizes with which a sum reaches further */
-}
+    const struct fput_params *const p = (const struct fput_params *)x->params;
 
-static pk_real fput_v_q(const struct fput_params *p, pk_real t, const pk_real *x,
-                        const pk_real *u, ptrdiff_t m)
-{
-    (void)p, (void)t, (void)x, (void)u;
-    if (m >= 1 && m <= p->N)
-        return x[m - 1];
-    if (m == 0) {
-        return 0;
-    }
-    if (m == p->N + 1) {
-        return 0;
-    }
-    return 0; /* never: prepare() refuses sizes with which a sum reaches further */
-}
-
-PK_INLINE static pk_bits fput_force_q_inner(const struct fput_params *p, pk_real t,
-                                            const pk_real *q, const pk_real *v, const pk_real *u,
-                                            ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    (void)m;
-    const pk_real q_ = q[m - 1];
-    const pk_real q_p1 = q[m];
-    const pk_real q_m1 = q[m - 2];
+    const pk_real q_ = s[0][k];
+    const pk_real q_p1 = s[1][k];
     const pk_real q_p1_minus_q_ = q_p1 - q_;
-    const pk_real q__minus_q_m1 = q_ - q_m1;
-    r[0] = p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_
-        - p->alpha * q__minus_q_m1 * q__minus_q_m1 - q__minus_q_m1;
+    o[0][k] = p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
+    return 0;
+}
+PK_TERMS(fput_force_0)
+
+static const struct pk_slot fput_force_0_reads[2] = {
+    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
+static const struct pk_terms fput_force_terms[1] = {
+    {fput_force_0, fput_force_0_reads, 2, 1, 3, 0, 0, 0}};
+
+static pk_bits fput_force_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
+{
+    ptrdiff_t k;
+
+    PK_LANE_LOOP
+    for (k = 0; k < n; k++) {
+        out[0][k] = e[k] - e[k - 1];
+    }
     return 0;
 }
 
-static void fput_force_q_part(const struct fput_params *p, pk_real t, const pk_real *q,
-                              const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    r[0] = 0;
-    (void)m;
-    if (m >= 0 && m <= p->N) {
-        const pk_real q_ = fput_q_q(p, t, q, u, m);
-        const pk_real q_p1 = fput_q_q(p, t, q, u, m + 1);
-        const pk_real q_p1_minus_q_ = q_p1 - q_;
-        r[0] += p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
-    }
-    if (m >= 1 && m <= p->N + 1) {
-        const pk_real q_ = fput_q_q(p, t, q, u, m);
-        const pk_real q_m1 = fput_q_q(p, t, q, u, m - 1);
-        const pk_real q__minus_q_m1 = q_ - q_m1;
-        r[0] += -p->alpha * q__minus_q_m1 * q__minus_q_m1 - q__minus_q_m1;
-    }
-}
+static const struct pk_row_set fput_force_sets[1] = {
+    {0, 0, 0, fput_force_q, fput_force_q, NULL}};
+static const struct pk_vector fput_force_of = {
+    fput_force_terms, NULL, NULL, 1, 0, 0, 1, 1, 0, {0, 0, 0}, fput_force_sets, NULL, {NULL, NULL,
+    NULL}, PK_STORE, 1, 512, 0, 1, 513};
 
-PK_INLINE static pk_bits fput_canonical_q_inner(const struct fput_params *p, pk_real t,
-                                                const pk_real *q, const pk_real *v,
-                                                const pk_real *u, ptrdiff_t m, pk_real *r)
+PK_TERM(fput_canonical_0)
 {
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    (void)m;
-    const pk_real q_ = q[m - 1];
-    const pk_real q_dot = v[m - 1];
-    const pk_real q_p1 = q[m];
-    const pk_real q_m1 = q[m - 2];
-    r[0] = q_dot;
+    const pk_real q_dot = s[0][k];
+    o[0][k] = q_dot;
+    return 0;
+}
+PK_TERMS(fput_canonical_0)
+
+static const struct pk_slot fput_canonical_0_reads[1] = {
+    {PK_OF_V, 1, 0, 1, 0, 0, 0}};
+PK_TERM(fput_canonical_1)
+{
+    const struct fput_params *const p = (const struct fput_params *)x->params;
+
+    const pk_real q_ = s[0][k];
+    const pk_real q_p1 = s[1][k];
     const pk_real q_p1_minus_q_ = q_p1 - q_;
-    const pk_real q__minus_q_m1 = q_ - q_m1;
-    r[1] = p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_
-        - p->alpha * q__minus_q_m1 * q__minus_q_m1 - q__minus_q_m1;
+    o[0][k] = p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
+    return 0;
+}
+PK_TERMS(fput_canonical_1)
+
+static const struct pk_slot fput_canonical_1_reads[2] = {
+    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
+static const struct pk_terms fput_canonical_terms[2] = {
+    {fput_canonical_0, fput_canonical_0_reads, 1, 1, 5, 0, 0, 0}, {fput_canonical_1,
+    fput_canonical_1_reads, 2, 1, 3, 0, 0, 0}};
+
+static pk_bits fput_canonical_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
+{
+    ptrdiff_t k;
+
+    PK_LANE_LOOP
+    for (k = 0; k < n; k++) {
+        out[0][k] = e[k];
+        out[1][k] = e[k + 513] - e[k + 512];
+    }
     return 0;
 }
 
-static void fput_canonical_q_part(const struct fput_params *p, pk_real t, const pk_real *q,
-                                  const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    r[0] = 0;
-    r[1] = 0;
-    (void)m;
-    if (m >= 1 && m <= p->N) {
-        const pk_real q_dot = fput_v_q(p, t, v, u, m);
-        r[0] += q_dot;
-    }
-    if (m >= 0 && m <= p->N) {
-        const pk_real q_ = fput_q_q(p, t, q, u, m);
-        const pk_real q_p1 = fput_q_q(p, t, q, u, m + 1);
-        const pk_real q_p1_minus_q_ = q_p1 - q_;
-        r[1] += p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
-    }
-    if (m >= 1 && m <= p->N + 1) {
-        const pk_real q_ = fput_q_q(p, t, q, u, m);
-        const pk_real q_m1 = fput_q_q(p, t, q, u, m - 1);
-        const pk_real q__minus_q_m1 = q_ - q_m1;
-        r[1] += -p->alpha * q__minus_q_m1 * q__minus_q_m1 - q__minus_q_m1;
-    }
-}
+static const struct pk_row_set fput_canonical_sets[1] = {
+    {0, 0, 0, fput_canonical_q, fput_canonical_q, NULL}};
+static const struct pk_vector fput_canonical_of = {
+    fput_canonical_terms, NULL, NULL, 2, 0, 0, 2, 1, 0, {0, 0, 0}, fput_canonical_sets, NULL,
+    {NULL, NULL, NULL}, PK_STORE, 2, 512, 0, 1, 513};
 
-PK_INLINE static pk_bits fput_momenta_q_inner(const struct fput_params *p, pk_real t,
-                                              const pk_real *q, const pk_real *v,
-                                              const pk_real *u, ptrdiff_t m, pk_real *r)
+PK_TERM(fput_momenta_0)
 {
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    (void)m;
-    const pk_real q_dot = v[m - 1];
-    r[0] = q_dot;
+    const pk_real q_dot = s[0][k];
+    o[0][k] = q_dot;
+    return 0;
+}
+PK_TERMS(fput_momenta_0)
+
+static const struct pk_slot fput_momenta_0_reads[1] = {
+    {PK_OF_V, 1, 0, 1, 0, 0, 0}};
+static const struct pk_terms fput_momenta_terms[1] = {
+    {fput_momenta_0, fput_momenta_0_reads, 1, 1, 5, 0, 0, 0}};
+
+static pk_bits fput_momenta_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
+{
+    ptrdiff_t k;
+
+    PK_LANE_LOOP
+    for (k = 0; k < n; k++) {
+        out[0][k] = e[k];
+    }
     return 0;
 }
 
-static void fput_momenta_q_part(const struct fput_params *p, pk_real t, const pk_real *q,
-                                const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    r[0] = 0;
-    (void)m;
-    if (m >= 1 && m <= p->N) {
-        const pk_real q_dot = fput_v_q(p, t, v, u, m);
-        r[0] += q_dot;
-    }
-}
+static const struct pk_row_set fput_momenta_sets[1] = {
+    {0, 0, 0, fput_momenta_q, fput_momenta_q, NULL}};
+static const struct pk_vector fput_momenta_of = {
+    fput_momenta_terms, NULL, NULL, 1, 0, 0, 1, 1, 0, {0, 0, 0}, fput_momenta_sets, NULL, {NULL,
+    NULL, NULL}, PK_STORE, 1, 512, 0, 0, 512};
 
-PK_INLINE static pk_bits fput_gradient_q_inner(const struct fput_params *p, pk_real t,
-                                               const pk_real *q, const pk_real *v,
-                                               const pk_real *u, ptrdiff_t m, pk_real *r)
+PK_TERM(fput_gradient_0)
 {
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    (void)m;
-    const pk_real q_ = q[m - 1];
-    const pk_real q_p1 = q[m];
-    const pk_real q_m1 = q[m - 2];
+    const struct fput_params *const p = (const struct fput_params *)x->params;
+
+    const pk_real q_ = s[0][k];
+    const pk_real q_p1 = s[1][k];
     const pk_real q_p1_minus_q_ = q_p1 - q_;
-    const pk_real q__minus_q_m1 = q_ - q_m1;
-    r[0] = p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_
-        - p->alpha * q__minus_q_m1 * q__minus_q_m1 - q__minus_q_m1;
+    o[0][k] = p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
+    return 0;
+}
+PK_TERMS(fput_gradient_0)
+
+static const struct pk_slot fput_gradient_0_reads[2] = {
+    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
+static const struct pk_terms fput_gradient_terms[1] = {
+    {fput_gradient_0, fput_gradient_0_reads, 2, 1, 3, 0, 0, 0}};
+
+static pk_bits fput_gradient_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
+{
+    ptrdiff_t k;
+
+    PK_LANE_LOOP
+    for (k = 0; k < n; k++) {
+        out[0][k] = e[k] - e[k - 1];
+    }
     return 0;
 }
 
-static void fput_gradient_q_part(const struct fput_params *p, pk_real t, const pk_real *q,
-                                 const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    r[0] = 0;
-    (void)m;
-    if (m >= 0 && m <= p->N) {
-        const pk_real q_ = fput_q_q(p, t, q, u, m);
-        const pk_real q_p1 = fput_q_q(p, t, q, u, m + 1);
-        const pk_real q_p1_minus_q_ = q_p1 - q_;
-        r[0] += p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
-    }
-    if (m >= 1 && m <= p->N + 1) {
-        const pk_real q_ = fput_q_q(p, t, q, u, m);
-        const pk_real q_m1 = fput_q_q(p, t, q, u, m - 1);
-        const pk_real q__minus_q_m1 = q_ - q_m1;
-        r[0] += -p->alpha * q__minus_q_m1 * q__minus_q_m1 - q__minus_q_m1;
-    }
-}
+static const struct pk_row_set fput_gradient_sets[1] = {
+    {0, 0, 0, fput_gradient_q, fput_gradient_q, NULL}};
+static const struct pk_vector fput_gradient_of = {
+    fput_gradient_terms, NULL, NULL, 1, 0, 0, 1, 1, 0, {0, 0, 0}, fput_gradient_sets, NULL, {NULL,
+    NULL, NULL}, PK_STORE, 1, 512, 0, 1, 513};
 
-PK_INLINE static pk_bits fput_mass_q_inner(const struct fput_params *p, pk_real t,
-                                           const pk_real *q, const pk_real *v, const pk_real *u,
-                                           ptrdiff_t m, pk_real *r)
+PK_TERM(fput_mass_0)
 {
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    (void)m;
-    r[0] = 1;
+    o[0][k] = 1;
+    return 0;
+}
+PK_TERMS(fput_mass_0)
+
+static const struct pk_terms fput_mass_terms[1] = {
+    {fput_mass_0, NULL, 0, 1, 5, 0, 0, 0}};
+
+static pk_bits fput_mass_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
+{
+    ptrdiff_t k;
+
+    PK_LANE_LOOP
+    for (k = 0; k < n; k++) {
+        out[0][k] = e[k];
+    }
     return 0;
 }
 
-static void fput_mass_q_part(const struct fput_params *p, pk_real t, const pk_real *q,
-                             const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    r[0] = 0;
-    (void)m;
-    if (m >= 1 && m <= p->N)
-        r[0] += 1;
-}
+static const struct pk_row_set fput_mass_sets[1] = {
+    {0, 0, 0, fput_mass_q, fput_mass_q, NULL}};
+static const struct pk_vector fput_mass_of = {
+    fput_mass_terms, NULL, NULL, 1, 0, 0, 1, 1, 0, {0, 0, 0}, fput_mass_sets, NULL, {NULL, NULL,
+    NULL}, PK_STORE, 1, 512, 0, 0, 512};
 
-PK_INLINE static pk_bits fput_acceleration_q_bond(const struct fput_params *p, pk_real t,
-    const pk_real *q, const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *flux)
+PK_TERM(fput_acceleration_0)
 {
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    (void)m;
-    const pk_real q_ = q[m - 1];
-    const pk_real q_p1 = q[m];
+    const struct fput_params *const p = (const struct fput_params *)x->params;
+
+    const pk_real q_ = s[0][k];
+    const pk_real q_p1 = s[1][k];
     const pk_real q_p1_minus_q_ = q_p1 - q_;
-    flux[0] = q_p1_minus_q_ * (1 + p->alpha * q_p1_minus_q_);
+    o[0][k] = p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
+    return 0;
+}
+PK_TERMS(fput_acceleration_0)
+
+static const struct pk_slot fput_acceleration_0_reads[2] = {
+    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
+static const struct pk_terms fput_acceleration_terms[1] = {
+    {fput_acceleration_0, fput_acceleration_0_reads, 2, 1, 3, 0, 0, 0}};
+
+static pk_bits fput_acceleration_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
+{
+    ptrdiff_t k;
+
+    PK_LANE_LOOP
+    for (k = 0; k < n; k++) {
+        out[0][k] = e[k] - e[k - 1];
+    }
     return 0;
 }
 
-PK_INLINE static pk_bits fput_acceleration_q_inner(const struct fput_params *p, pk_real t,
-    const pk_real *q, const pk_real *v, const pk_real *u, const pk_real *flux, ptrdiff_t m,
-    pk_real *r)
+static void fput_acceleration_q_kick(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real kappa, pk_real delta,
+    pk_real *q, pk_real *v)
 {
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    (void)m;
-    const pk_real x0 = flux[0];
-    const pk_real x0_m1 = flux[-1];
-    r[0] = x0 - x0_m1;
-    r[1] = 1;
+    ptrdiff_t k;
+
+    PK_LANE_LOOP
+    for (k = 0; k < n; k++) {
+        v[k] += kappa * (e[k] - e[k - 1]);
+        q[k] += delta * v[k];
+    }
+}
+
+static const struct pk_row_set fput_acceleration_sets[1] = {
+    {0, 0, 0, fput_acceleration_q, fput_acceleration_q, fput_acceleration_q_kick}};
+static const struct pk_vector fput_acceleration_of = {
+    fput_acceleration_terms, NULL, NULL, 1, 0, 0, 1, 1, 0, {0, 0, 0}, fput_acceleration_sets,
+    NULL, {NULL, NULL, NULL}, PK_STORE, 1, 512, 0, 1, 513};
+
+PK_TERM(fput_slopes_mass_0)
+{
+    o[0][k] = 1;
     return 0;
 }
+PK_TERMS(fput_slopes_mass_0)
 
-static void fput_acceleration_q_part(const struct fput_params *p, pk_real t, const pk_real *q,
-                                     const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    r[0] = 0;
-    r[1] = 0;
-    (void)m;
-    if (m >= 0 && m <= p->N) {
-        const pk_real q_ = fput_q_q(p, t, q, u, m);
-        const pk_real q_p1 = fput_q_q(p, t, q, u, m + 1);
-        const pk_real q_p1_minus_q_ = q_p1 - q_;
-        r[0] += p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
-    }
-    if (m >= 1 && m <= p->N + 1) {
-        const pk_real q_ = fput_q_q(p, t, q, u, m);
-        const pk_real q_m1 = fput_q_q(p, t, q, u, m - 1);
-        const pk_real q__minus_q_m1 = q_ - q_m1;
-        r[0] += -p->alpha * q__minus_q_m1 * q__minus_q_m1 - q__minus_q_m1;
-    }
-    if (m >= 1 && m <= p->N)
-        r[1] += 1;
-}
+static const struct pk_terms fput_slopes_mass_terms[1] = {
+    {fput_slopes_mass_0, NULL, 0, 1, 5, 0, 0, 0}};
 
-PK_INLINE static pk_bits fput_slopes_mass_0_inner(const struct fput_params *p, pk_real t,
-    const pk_real *q, const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
+static const struct pk_entry fput_slopes_mass_entries[1] = {
+    {0, 0, 1, 0, {0, 1, 0, 0}, {0, 1, 0, 0}}};
+static const struct pk_matrix fput_slopes_mass_of = {
+    fput_slopes_mass_terms, fput_slopes_mass_entries, 1, 1, 1, 512};
+
+PK_TERM(fput_slopes_jacobian_0)
 {
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    (void)m;
-    r[0] = 1;
+    const struct fput_params *const p = (const struct fput_params *)x->params;
+
+    const pk_real q_ = s[0][k];
+    const pk_real q_p1 = s[1][k];
+    const pk_real t1 = p->c_[1] * (q_p1 - q_);
+    o[0][k] = 1 + t1;
+    o[1][k] = 1 + t1;
     return 0;
 }
+PK_TERMS(fput_slopes_jacobian_0)
 
-static void fput_slopes_mass_0_part(const struct fput_params *p, pk_real t, const pk_real *q,
-                                    const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    r[0] = 0;
-    (void)m;
-    if (m >= 1 && m <= p->N)
-        r[0] += 1;
-}
+static const struct pk_slot fput_slopes_jacobian_0_reads[2] = {
+    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
+static const struct pk_terms fput_slopes_jacobian_terms[1] = {
+    {fput_slopes_jacobian_0, fput_slopes_jacobian_0_reads, 2, 2, 3, 0, 0, 0}};
 
-PK_INLINE static pk_bits fput_slopes_jacobian_0_inner(const struct fput_params *p, pk_real t,
-    const pk_real *q, const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
+static const struct pk_entry fput_slopes_jacobian_entries[4] = {
+    {0, 0, 1, 1, {0, 1, 0, 0}, {0, 1, 1, 0}}, {0, 0, -1, 1, {0, 1, 0, 0}, {0, 1, 0, 0}}, {0, 0,
+    -1, 1, {0, 1, 1, 0}, {0, 1, 1, 0}}, {0, 1, 1, 1, {0, 1, 1, 0}, {0, 1, 0, 0}}};
+static const struct pk_matrix fput_slopes_jacobian_of = {
+    fput_slopes_jacobian_terms, fput_slopes_jacobian_entries, 1, 4, 2, 512};
+
+PK_TERM(fput_energy_0)
 {
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    (void)m;
-    const pk_real q_ = q[m - 1];
-    const pk_real q_p1 = q[m];
-    const pk_real q_m1 = q[m - 2];
-    r[0] = 1 + p->c_[1] * (q_p1 - q_);
-    r[1] = p->c_[1] * q_m1 - 2 - p->c_[1] * q_p1;
-    r[2] = 1 + p->c_[1] * (q_ - q_m1);
+    const pk_real q_dot = s[0][k];
+    o[0][k] = PK_C(0.5) * q_dot * q_dot;
     return 0;
 }
+PK_TERMS(fput_energy_0)
 
-static void fput_slopes_jacobian_0_part(const struct fput_params *p, pk_real t, const pk_real *q,
-                                        const pk_real *v, const pk_real *u, ptrdiff_t m,
-                                        pk_real *r)
+static const struct pk_slot fput_energy_0_reads[1] = {
+    {PK_OF_V, 1, 0, 1, 0, 0, 0}};
+PK_TERM(fput_energy_1)
 {
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    r[0] = 0;
-    r[1] = 0;
-    r[2] = 0;
-    (void)m;
-    if (m >= 0 && m <= p->N) {
-        const pk_real q_ = fput_q_q(p, t, q, u, m);
-        const pk_real q_p1 = fput_q_q(p, t, q, u, m + 1);
-        const pk_real t1 = 1 + p->c_[1] * (q_p1 - q_);
-        r[0] += t1;
-        r[1] += -t1;
-    }
-    if (m >= 1 && m <= p->N + 1) {
-        const pk_real q_ = fput_q_q(p, t, q, u, m);
-        const pk_real q_m1 = fput_q_q(p, t, q, u, m - 1);
-        const pk_real t1 = 1 + p->c_[1] * (q_ - q_m1);
-        r[1] += -t1;
-        r[2] += t1;
-    }
+    const struct fput_params *const p = (const struct fput_params *)x->params;
+
+    const pk_real q_ = s[0][k];
+    const pk_real q_p1 = s[1][k];
+    const pk_real q_p1_minus_q_ = q_p1 - q_;
+    o[0][k] = q_p1_minus_q_ * q_p1_minus_q_ * (PK_C(0.5) + p->c_[0] * q_p1_minus_q_);
+    return 0;
 }
+PK_TERMS(fput_energy_1)
+
+static const struct pk_slot fput_energy_1_reads[2] = {
+    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
+static const struct pk_terms fput_energy_terms[2] = {
+    {fput_energy_0, fput_energy_0_reads, 1, 1, 5, 0, 0, 0}, {fput_energy_1, fput_energy_1_reads,
+    2, 1, 3, 0, 0, 0}};
+
+PK_TERM(fput_lagrangian_0)
+{
+    const pk_real q_dot = s[0][k];
+    o[0][k] = PK_C(0.5) * q_dot * q_dot;
+    return 0;
+}
+PK_TERMS(fput_lagrangian_0)
+
+static const struct pk_slot fput_lagrangian_0_reads[1] = {
+    {PK_OF_V, 1, 0, 1, 0, 0, 0}};
+PK_TERM(fput_lagrangian_1)
+{
+    const struct fput_params *const p = (const struct fput_params *)x->params;
+
+    const pk_real q_ = s[0][k];
+    const pk_real q_p1 = s[1][k];
+    const pk_real q_p1_minus_q_ = q_p1 - q_;
+    o[0][k] = -q_p1_minus_q_ * q_p1_minus_q_ * (PK_C(0.5) + p->c_[0] * q_p1_minus_q_);
+    return 0;
+}
+PK_TERMS(fput_lagrangian_1)
+
+static const struct pk_slot fput_lagrangian_1_reads[2] = {
+    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
+static const struct pk_terms fput_lagrangian_terms[2] = {
+    {fput_lagrangian_0, fput_lagrangian_0_reads, 1, 1, 5, 0, 0, 0}, {fput_lagrangian_1,
+    fput_lagrangian_1_reads, 2, 1, 3, 0, 0, 0}};
+
+PK_TERM(fput_kinetic_0)
+{
+    const pk_real q_dot = s[0][k];
+    o[0][k] = PK_C(0.5) * q_dot * q_dot;
+    return 0;
+}
+PK_TERMS(fput_kinetic_0)
+
+static const struct pk_slot fput_kinetic_0_reads[1] = {
+    {PK_OF_V, 1, 0, 1, 0, 0, 0}};
+static const struct pk_terms fput_kinetic_terms[1] = {
+    {fput_kinetic_0, fput_kinetic_0_reads, 1, 1, 5, 0, 0, 0}};
+
+PK_TERM(fput_potential_0)
+{
+    const struct fput_params *const p = (const struct fput_params *)x->params;
+
+    const pk_real q_ = s[0][k];
+    const pk_real q_p1 = s[1][k];
+    const pk_real q_p1_minus_q_ = q_p1 - q_;
+    o[0][k] = q_p1_minus_q_ * q_p1_minus_q_ * (PK_C(0.5) + p->c_[0] * q_p1_minus_q_);
+    return 0;
+}
+PK_TERMS(fput_potential_0)
+
+static const struct pk_slot fput_potential_0_reads[2] = {
+    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
+static const struct pk_terms fput_potential_terms[1] = {
+    {fput_potential_0, fput_potential_0_reads, 2, 1, 3, 0, 0, 0}};
+
 
 /* f = pdot - (dp/dq) v - dp/dt. */
 void fput_force(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                 const pk_real *u, pk_real *PK_RESTRICT f)
 {
     {
-        const ptrdiff_t end = p->N + 1;
-        const ptrdiff_t lo = 2;
-        const ptrdiff_t hi = p->N - 1;
-        ptrdiff_t m, base, chunk;
-
-        for (m = 1; m < lo && m < end; m++) {
-            pk_real r[1];
-            fput_force_q_part(p, t, q, v, u, m, r);
-            f[m - 1] = r[0];
-        }
-        for (base = m; base <= hi; base += fput_BLOCK) {
-            const ptrdiff_t stop = fput_least(base + fput_BLOCK, hi + 1);
-            for (chunk = base; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
-                for (m = chunk; m < chunk + fput_CHUNK; m++) {
-                    pk_real r[1];
-                    (void)fput_force_q_inner(p, t, q, v, u, m, r);
-                    f[m - 1] = r[0];
-                }
-            if (chunk < stop)
-                for (m = chunk; m < stop; m++) {
-                    pk_real r[1];
-                    (void)fput_force_q_inner(p, t, q, v, u, m, r);
-                    f[m - 1] = r[0];
-                }
-        }
-        for (m = fput_most(m, hi + 1); m < end; m++) {
-            pk_real r[1];
-            fput_force_q_part(p, t, q, v, u, m, r);
-            f[m - 1] = r[0];
-        }
+        pk_real e[513], *const to[] = {f};
+        const struct pk_members x = fput_members(p, t, q, v, u);
+        (void)pk_compute(&x, &fput_force_of, e, to, NULL, 0);
     }
 }
 
@@ -462,40 +2120,9 @@ void fput_canonical(const struct fput_params *p, pk_real t, const pk_real *q, co
                     const pk_real *u, pk_real *PK_RESTRICT momenta, pk_real *PK_RESTRICT pdot)
 {
     {
-        const ptrdiff_t end = p->N + 1;
-        const ptrdiff_t lo = 2;
-        const ptrdiff_t hi = p->N - 1;
-        ptrdiff_t m, base, chunk;
-
-        for (m = 1; m < lo && m < end; m++) {
-            pk_real r[2];
-            fput_canonical_q_part(p, t, q, v, u, m, r);
-            momenta[m - 1] = r[0];
-            pdot[m - 1] = r[1];
-        }
-        for (base = m; base <= hi; base += fput_BLOCK) {
-            const ptrdiff_t stop = fput_least(base + fput_BLOCK, hi + 1);
-            for (chunk = base; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
-                for (m = chunk; m < chunk + fput_CHUNK; m++) {
-                    pk_real r[2];
-                    (void)fput_canonical_q_inner(p, t, q, v, u, m, r);
-                    momenta[m - 1] = r[0];
-                    pdot[m - 1] = r[1];
-                }
-            if (chunk < stop)
-                for (m = chunk; m < stop; m++) {
-                    pk_real r[2];
-                    (void)fput_canonical_q_inner(p, t, q, v, u, m, r);
-                    momenta[m - 1] = r[0];
-                    pdot[m - 1] = r[1];
-                }
-        }
-        for (m = fput_most(m, hi + 1); m < end; m++) {
-            pk_real r[2];
-            fput_canonical_q_part(p, t, q, v, u, m, r);
-            momenta[m - 1] = r[0];
-            pdot[m - 1] = r[1];
-        }
+        pk_real e[1026], *const to[] = {momenta, pdot};
+        const struct pk_members x = fput_members(p, t, q, v, u);
+        (void)pk_compute(&x, &fput_canonical_of, e, to, NULL, 0);
     }
 }
 
@@ -504,36 +2131,9 @@ void fput_momenta(const struct fput_params *p, pk_real t, const pk_real *q, cons
                   const pk_real *u, pk_real *PK_RESTRICT momenta)
 {
     {
-        const ptrdiff_t end = p->N + 1;
-        const ptrdiff_t lo = 1;
-        const ptrdiff_t hi = p->N;
-        ptrdiff_t m, base, chunk;
-
-        for (m = 1; m < lo && m < end; m++) {
-            pk_real r[1];
-            fput_momenta_q_part(p, t, q, v, u, m, r);
-            momenta[m - 1] = r[0];
-        }
-        for (base = m; base <= hi; base += fput_BLOCK) {
-            const ptrdiff_t stop = fput_least(base + fput_BLOCK, hi + 1);
-            for (chunk = base; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
-                for (m = chunk; m < chunk + fput_CHUNK; m++) {
-                    pk_real r[1];
-                    (void)fput_momenta_q_inner(p, t, q, v, u, m, r);
-                    momenta[m - 1] = r[0];
-                }
-            if (chunk < stop)
-                for (m = chunk; m < stop; m++) {
-                    pk_real r[1];
-                    (void)fput_momenta_q_inner(p, t, q, v, u, m, r);
-                    momenta[m - 1] = r[0];
-                }
-        }
-        for (m = fput_most(m, hi + 1); m < end; m++) {
-            pk_real r[1];
-            fput_momenta_q_part(p, t, q, v, u, m, r);
-            momenta[m - 1] = r[0];
-        }
+        pk_real e[512], *const to[] = {momenta};
+        const struct pk_members x = fput_members(p, t, q, v, u);
+        (void)pk_compute(&x, &fput_momenta_of, e, to, NULL, 0);
     }
 }
 
@@ -542,231 +2142,32 @@ void fput_gradient(const struct fput_params *p, pk_real t, const pk_real *q, con
                    const pk_real *u, pk_real *PK_RESTRICT dLdq)
 {
     {
-        const ptrdiff_t end = p->N + 1;
-        const ptrdiff_t lo = 2;
-        const ptrdiff_t hi = p->N - 1;
-        ptrdiff_t m, base, chunk;
-
-        for (m = 1; m < lo && m < end; m++) {
-            pk_real r[1];
-            fput_gradient_q_part(p, t, q, v, u, m, r);
-            dLdq[m - 1] = r[0];
-        }
-        for (base = m; base <= hi; base += fput_BLOCK) {
-            const ptrdiff_t stop = fput_least(base + fput_BLOCK, hi + 1);
-            for (chunk = base; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
-                for (m = chunk; m < chunk + fput_CHUNK; m++) {
-                    pk_real r[1];
-                    (void)fput_gradient_q_inner(p, t, q, v, u, m, r);
-                    dLdq[m - 1] = r[0];
-                }
-            if (chunk < stop)
-                for (m = chunk; m < stop; m++) {
-                    pk_real r[1];
-                    (void)fput_gradient_q_inner(p, t, q, v, u, m, r);
-                    dLdq[m - 1] = r[0];
-                }
-        }
-        for (m = fput_most(m, hi + 1); m < end; m++) {
-            pk_real r[1];
-            fput_gradient_q_part(p, t, q, v, u, m, r);
-            dLdq[m - 1] = r[0];
-        }
+        pk_real e[513], *const to[] = {dLdq};
+        const struct pk_members x = fput_members(p, t, q, v, u);
+        (void)pk_compute(&x, &fput_gradient_of, e, to, NULL, 0);
     }
 }
 
-/* Places of rows and columns: cells by index, at each the families side by side; then the same
- * of what is single. */
-static ptrdiff_t fput_slopes_first(const struct fput_params *p)
-{
-    (void)p;
-    return 1;
-}
-
-/* Places for cells; where one family is shorter than another, some are empty. */
-static ptrdiff_t fput_slopes_places(const struct fput_params *p)
-{
-    return (p->N - fput_slopes_first(p) + 1) * 1;
-}
-
-/* The place of q[i], or -1 of one that is given. */
-static ptrdiff_t fput_slopes_row_0(const struct fput_params *p, ptrdiff_t i)
-{
-    const ptrdiff_t m = fput_home_q(p, i);
-    if (m < 1 || m > p->N)
-        return -1;
-    return (m - fput_slopes_first(p)) * 1 + 0;
-}
-
-/* Where the coordinate of a place is in q; -1 where the place is empty. */
-static ptrdiff_t fput_slopes_coordinate(const struct fput_params *p, ptrdiff_t i)
-{
-    const ptrdiff_t places = fput_slopes_places(p), m = fput_slopes_first(p) + i / 1;
-    if (i < places)
-        switch (i % 1) {
-        case 0:
-            return m >= 1 && m <= p->N ? m - 1 : -1;
-        default:
-            return -1;
-        }
-    switch (i - places) {
-    default:
-        return -1;
-    }
-}
-
-void fput_slopes_pattern(const struct fput_params *p, size_t *rows, size_t *width, size_t *border)
-{
-    const ptrdiff_t places = fput_slopes_places(p);
-    *width = 1;
-    *rows = (size_t)places;
-    *border = (size_t)places + 0 - *rows;
-}
-
-ptrdiff_t fput_slopes_place(const struct fput_params *p, size_t i)
-{
-    return fput_slopes_coordinate(p, (ptrdiff_t)i);
-}
-
-/* Adds to entry (i, j) of a matrix; what is given has no place, -1. */
-PK_INLINE static void fput_slopes_add(ptrdiff_t rows, ptrdiff_t border, pk_real *A, ptrdiff_t i,
-                                      ptrdiff_t j, pk_real x)
-{
-    const ptrdiff_t right = rows * 3;
-
-    if (i < 0 || j < 0)
-        return;
-    if (i < rows && j < rows)
-        A[i * 3 + j - i + 1] += x;
-    else if (i < rows)
-        A[right + i * border + j - rows] += x;
-    else if (j < rows)
-        A[right + (rows + j) * border + i - rows] += x;
-    else
-        A[right + (2 * rows + i - rows) * border + j - rows] += x;
-}
-
-void fput_slopes_mass(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
-                      const pk_real *u, pk_real *PK_RESTRICT M)
-{
-    const ptrdiff_t places = fput_slopes_places(p);
-    size_t n_rows, width, n_border, i, size;
-    ptrdiff_t rows, border;
-
-    fput_slopes_pattern(p, &n_rows, &width, &n_border);
-    rows = (ptrdiff_t)n_rows;
-    border = (ptrdiff_t)n_border;
-    size = n_rows * (2 * width + 1) + (2 * n_rows + n_border) * n_border;
-    for (i = 0; i < size; i++)
-        M[i] = 0;
-    for (i = 0; i < n_rows + n_border; i++)
-        if (fput_slopes_coordinate(p, (ptrdiff_t)i) < 0)
-            fput_slopes_add(rows, border, M, (ptrdiff_t)i, (ptrdiff_t)i, 1);
-    {
-        const ptrdiff_t lo = 1;
-        const ptrdiff_t hi = p->N;
-        ptrdiff_t m;
-        for (m = 1 - 1; m <= p->N + 1; m++) {
-            const ptrdiff_t row = fput_slopes_row_0(p, m);
-            pk_real r[1];
-            if (row < 0)
-                continue;
-            if (m < lo || m > hi || fput_slopes_mass_0_inner(p, t, q, v, u, m, r))
-                fput_slopes_mass_0_part(p, t, q, v, u, m, r);
-            fput_slopes_add(rows, border, M, row, fput_slopes_row_0(p, m + 0), r[0]);
-        }
-    }
-    (void)p, (void)places, (void)rows, (void)border, (void)t, (void)q, (void)v, (void)u;
-}
-
-void fput_slopes_jacobian(const struct fput_params *p, pk_real t, const pk_real *q,
-                          const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT p_q,
-                          pk_real *PK_RESTRICT pdot_q, pk_real *PK_RESTRICT pdot_v)
-{
-    const ptrdiff_t places = fput_slopes_places(p);
-    size_t n_rows, width, n_border, i, size;
-    ptrdiff_t rows, border;
-
-    fput_slopes_pattern(p, &n_rows, &width, &n_border);
-    rows = (ptrdiff_t)n_rows;
-    border = (ptrdiff_t)n_border;
-    size = n_rows * (2 * width + 1) + (2 * n_rows + n_border) * n_border;
-    for (i = 0; i < size; i++)
-        p_q[i] = 0;
-    for (i = 0; i < size; i++)
-        pdot_q[i] = 0;
-    for (i = 0; i < size; i++)
-        pdot_v[i] = 0;
-    {
-        const ptrdiff_t lo = 2;
-        const ptrdiff_t hi = p->N - 1;
-        ptrdiff_t m;
-        for (m = 1 - 1; m <= p->N + 1; m++) {
-            const ptrdiff_t row = fput_slopes_row_0(p, m);
-            pk_real r[3];
-            if (row < 0)
-                continue;
-            if (m < lo || m > hi || fput_slopes_jacobian_0_inner(p, t, q, v, u, m, r))
-                fput_slopes_jacobian_0_part(p, t, q, v, u, m, r);
-            fput_slopes_add(rows, border, pdot_q, row, fput_slopes_row_0(p, m + 1), r[0]);
-            fput_slopes_add(rows, border, pdot_q, row, fput_slopes_row_0(p, m + 0), r[1]);
-            fput_slopes_add(rows, border, pdot_q, row, fput_slopes_row_0(p, m + -1), r[2]);
-        }
-    }
-    (void)p, (void)places, (void)rows, (void)border, (void)t, (void)q, (void)v, (void)u;
-}
-
-/* M = dp/dv is diagonal. */
 void fput_mass(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                const pk_real *u, pk_real *PK_RESTRICT M)
 {
     {
-        const ptrdiff_t end = p->N + 1;
-        const ptrdiff_t lo = 1;
-        const ptrdiff_t hi = p->N;
-        ptrdiff_t m, base, chunk;
-
-        for (m = 1; m < lo && m < end; m++) {
-            pk_real r[1];
-            fput_mass_q_part(p, t, q, v, u, m, r);
-            M[m - 1] = r[0];
-        }
-        for (base = m; base <= hi; base += fput_BLOCK) {
-            const ptrdiff_t stop = fput_least(base + fput_BLOCK, hi + 1);
-            for (chunk = base; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
-                for (m = chunk; m < chunk + fput_CHUNK; m++) {
-                    pk_real r[1];
-                    (void)fput_mass_q_inner(p, t, q, v, u, m, r);
-                    M[m - 1] = r[0];
-                }
-            if (chunk < stop)
-                for (m = chunk; m < stop; m++) {
-                    pk_real r[1];
-                    (void)fput_mass_q_inner(p, t, q, v, u, m, r);
-                    M[m - 1] = r[0];
-                }
-        }
-        for (m = fput_most(m, hi + 1); m < end; m++) {
-            pk_real r[1];
-            fput_mass_q_part(p, t, q, v, u, m, r);
-            M[m - 1] = r[0];
-        }
+        pk_real e[512], *const to[] = {M};
+        const struct pk_members x = fput_members(p, t, q, v, u);
+        (void)pk_compute(&x, &fput_mass_of, e, to, NULL, 0);
     }
 }
 
-/* 1 + the coordinate whose mass is not positive, or 0. */
+/* The failure of the first coordinate whose mass is not positive, or 0. */
 static int fput_pivot(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
-                      const pk_real *u)
+                      const pk_real *u, pk_real *M)
 {
-    {
-        ptrdiff_t m;
-        for (m = 1; m <= p->N; m++) {
-            pk_real r[1];
-            fput_mass_q_part(p, t, q, v, u, m, r);
-            if (!(r[0] > 0))
-                return PK_FAILED(PK_FAILURE_MASS, m - 1);
-        }
-    }
+    ptrdiff_t i;
+
+    fput_mass(p, t, q, v, u, M);
+    for (i = 0; i < (ptrdiff_t)fput_count(p); i++)
+        if (!(M[i] > 0))
+            return PK_FAILED(PK_FAILURE_MASS, i);
     return 0;
 }
 
@@ -774,494 +2175,98 @@ static int fput_pivot(const struct fput_params *p, pk_real t, const pk_real *q, 
 int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                       const pk_real *u, pk_real *PK_RESTRICT a)
 {
-    int bad = 0;
+    pk_bits bad = 0;
 
     {
-        const ptrdiff_t end = p->N + 1;
-        const ptrdiff_t lo = 2;
-        const ptrdiff_t hi = p->N - 1;
-        ptrdiff_t m, base, chunk;
-
-        for (m = 1; m < lo && m < end; m++) {
-            pk_real r[2];
-            fput_acceleration_q_part(p, t, q, v, u, m, r);
-            bad |= !(r[1] > 0);
-            a[m - 1] = r[0] / r[1];
-        }
-        for (base = m; base <= hi; base += fput_BLOCK) {
-            pk_real flux[1 * (fput_BLOCK + fput_BOND)];
-            const ptrdiff_t stop = fput_least(base + fput_BLOCK, hi + 1);
-            for (chunk = base - 1; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
-                for (m = chunk; m < chunk + fput_CHUNK; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, v, u, m, flux
-                        + (m - base + fput_BOND));
-            if (chunk < stop)
-                for (m = chunk; m < stop; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, v, u, m, flux
-                        + (m - base + fput_BOND));
-            for (chunk = base; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
-                for (m = chunk; m < chunk + fput_CHUNK; m++) {
-                    pk_real r[2];
-                    (void)fput_acceleration_q_inner(p, t, q, v, u, flux + (m - base + fput_BOND),
-                        m, r);
-                    a[m - 1] = r[0];
-                }
-            if (chunk < stop)
-                for (m = chunk; m < stop; m++) {
-                    pk_real r[2];
-                    (void)fput_acceleration_q_inner(p, t, q, v, u, flux + (m - base + fput_BOND),
-                        m, r);
-                    a[m - 1] = r[0];
-                }
-        }
-        for (m = fput_most(m, hi + 1); m < end; m++) {
-            pk_real r[2];
-            fput_acceleration_q_part(p, t, q, v, u, m, r);
-            bad |= !(r[1] > 0);
-            a[m - 1] = r[0] / r[1];
-        }
+        pk_real e[513], *const to[] = {a};
+        const struct pk_members x = fput_members(p, t, q, v, u);
+        bad |= pk_compute(&x, &fput_acceleration_of, e, to, NULL, 0);
     }
-    return bad ? fput_pivot(p, t, q, v, u) : 0;
+    return bad ? fput_pivot(p, t, q, v, u, a) : 0;
+}
+
+void fput_slopes_pattern(const struct fput_params *p, size_t *rows, size_t *width, size_t *border)
+{
+    const struct pk_members x = fput_members(p, 0, NULL, NULL, NULL);
+    const struct pk_places S = pk_places_of(&x, &fput_slopes_layout);
+    *rows = (size_t)S.banded;
+    *width = (size_t)S.of->width;
+    *border = (size_t)(S.all - S.banded);
+}
+
+/* Where the coordinate of a place is in q; -1 where the place is empty. */
+ptrdiff_t fput_slopes_place(const struct fput_params *p, size_t i)
+{
+    const struct pk_members x = fput_members(p, 0, NULL, NULL, NULL);
+    const struct pk_places S = pk_places_of(&x, &fput_slopes_layout);
+    return pk_in_place(&x, &S, (ptrdiff_t)i);
+}
+
+void fput_slopes_mass(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
+                      const pk_real *u, pk_real *PK_RESTRICT M)
+{
+    pk_real e[512];
+    const struct pk_members x = fput_members(p, t, q, v, u);
+    const struct pk_places S = pk_places_of(&x, &fput_slopes_layout);
+
+    pk_bands(&x, &S, &fput_slopes_mass_of, e, 2, 1, M, NULL, NULL);
+}
+
+void fput_slopes_jacobian(const struct fput_params *p, pk_real t, const pk_real *q,
+                          const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT p_q,
+                          pk_real *PK_RESTRICT pdot_q, pk_real *PK_RESTRICT pdot_v)
+{
+    pk_real e[1024];
+    const struct pk_members x = fput_members(p, t, q, v, u);
+    const struct pk_places S = pk_places_of(&x, &fput_slopes_layout);
+
+    pk_bands(&x, &S, &fput_slopes_jacobian_of, e, 0, 3, p_q, pdot_q, pdot_v);
 }
 
 /* h = v.p - L. */
-PK_INLINE static pk_bits fput_energy_inner(const struct fput_params *p, pk_real t,
-                                           const pk_real *q, const pk_real *v, const pk_real *u,
-                                           ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    (void)m;
-    const pk_real q_ = q[m - 1];
-    const pk_real q_dot = v[m - 1];
-    const pk_real q_p1 = q[m];
-    const pk_real q_p1_minus_q_ = q_p1 - q_;
-    r[0] = PK_C(0.5) * q_dot * q_dot + q_p1_minus_q_ * q_p1_minus_q_
-        * (PK_C(0.5) + p->c_[0] * q_p1_minus_q_);
-    return 0;
-}
-
-static void fput_energy_part(const struct fput_params *p, pk_real t, const pk_real *q,
-                             const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    r[0] = 0;
-    (void)m;
-    if (m >= 1 && m <= p->N) {
-        const pk_real q_dot = fput_v_q(p, t, v, u, m);
-        r[0] += PK_C(0.5) * q_dot * q_dot;
-    }
-    if (m >= 0 && m <= p->N) {
-        const pk_real q_ = fput_q_q(p, t, q, u, m);
-        const pk_real q_p1 = fput_q_q(p, t, q, u, m + 1);
-        const pk_real q_p1_minus_q_ = q_p1 - q_;
-        const pk_real q_p1_minus_q__sq = q_p1_minus_q_ * q_p1_minus_q_;
-        r[0] += PK_C(0.5) * q_p1_minus_q__sq + p->c_[0] * q_p1_minus_q_ * q_p1_minus_q__sq;
-    }
-}
-
 pk_real fput_energy(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                     const pk_real *u)
 {
-    pk_real total;
-
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    total = 0;
-    {
-        const ptrdiff_t end = p->N + 1;
-        const ptrdiff_t lo = 1;
-        const ptrdiff_t hi = p->N - 1;
-        pk_real s[8] = {0, 0, 0, 0, 0, 0, 0, 0}, r[1];
-        ptrdiff_t m, l;
-
-        for (m = fput_least(1, 0); m < lo && m < end; m++) {
-            fput_energy_part(p, t, q, v, u, m, r);
-            total += r[0];
-        }
-        for (; m + 7 <= hi; m += 8) {
-            pk_real x[8];
-            for (l = 0; l < 8; l++)
-                (void)fput_energy_inner(p, t, q, v, u, m + l, x + l);
-            for (l = 0; l < 8; l++)
-                s[l] += x[l];
-        }
-        for (; m < end; m++) {
-            fput_energy_part(p, t, q, v, u, m, r);
-            total += r[0];
-        }
-        total += ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
-    }
-    return total;
+    pk_real e[PK_BLOCK];
+    const struct pk_members x = fput_members(p, t, q, v, u);
+    return pk_total(&x, fput_energy_terms, 2, e);
 }
 
 /* L. */
-PK_INLINE static pk_bits fput_lagrangian_inner(const struct fput_params *p, pk_real t,
-                                               const pk_real *q, const pk_real *v,
-                                               const pk_real *u, ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    (void)m;
-    const pk_real q_ = q[m - 1];
-    const pk_real q_dot = v[m - 1];
-    const pk_real q_p1 = q[m];
-    const pk_real q_p1_minus_q_ = q_p1 - q_;
-    r[0] = PK_C(0.5) * q_dot * q_dot - q_p1_minus_q_ * q_p1_minus_q_
-        * (PK_C(0.5) + p->c_[0] * q_p1_minus_q_);
-    return 0;
-}
-
-static void fput_lagrangian_part(const struct fput_params *p, pk_real t, const pk_real *q,
-                                 const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    r[0] = 0;
-    (void)m;
-    if (m >= 1 && m <= p->N) {
-        const pk_real q_dot = fput_v_q(p, t, v, u, m);
-        r[0] += PK_C(0.5) * q_dot * q_dot;
-    }
-    if (m >= 0 && m <= p->N) {
-        const pk_real q_ = fput_q_q(p, t, q, u, m);
-        const pk_real q_p1 = fput_q_q(p, t, q, u, m + 1);
-        const pk_real q_p1_minus_q_ = q_p1 - q_;
-        const pk_real q_p1_minus_q__sq = q_p1_minus_q_ * q_p1_minus_q_;
-        r[0] += -PK_C(0.5) * q_p1_minus_q__sq - p->c_[0] * q_p1_minus_q_ * q_p1_minus_q__sq;
-    }
-}
-
 pk_real fput_lagrangian(const struct fput_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u)
 {
-    pk_real total;
-
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    total = 0;
-    {
-        const ptrdiff_t end = p->N + 1;
-        const ptrdiff_t lo = 1;
-        const ptrdiff_t hi = p->N - 1;
-        pk_real s[8] = {0, 0, 0, 0, 0, 0, 0, 0}, r[1];
-        ptrdiff_t m, l;
-
-        for (m = fput_least(1, 0); m < lo && m < end; m++) {
-            fput_lagrangian_part(p, t, q, v, u, m, r);
-            total += r[0];
-        }
-        for (; m + 7 <= hi; m += 8) {
-            pk_real x[8];
-            for (l = 0; l < 8; l++)
-                (void)fput_lagrangian_inner(p, t, q, v, u, m + l, x + l);
-            for (l = 0; l < 8; l++)
-                s[l] += x[l];
-        }
-        for (; m < end; m++) {
-            fput_lagrangian_part(p, t, q, v, u, m, r);
-            total += r[0];
-        }
-        total += ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
-    }
-    return total;
+    pk_real e[PK_BLOCK];
+    const struct pk_members x = fput_members(p, t, q, v, u);
+    return pk_total(&x, fput_lagrangian_terms, 2, e);
 }
 
 /* T. */
-PK_INLINE static pk_bits fput_kinetic_inner(const struct fput_params *p, pk_real t,
-                                            const pk_real *q, const pk_real *v, const pk_real *u,
-                                            ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    (void)m;
-    const pk_real q_dot = v[m - 1];
-    r[0] = PK_C(0.5) * q_dot * q_dot;
-    return 0;
-}
-
-static void fput_kinetic_part(const struct fput_params *p, pk_real t, const pk_real *q,
-                              const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    r[0] = 0;
-    (void)m;
-    if (m >= 1 && m <= p->N) {
-        const pk_real q_dot = fput_v_q(p, t, v, u, m);
-        r[0] += PK_C(0.5) * q_dot * q_dot;
-    }
-}
-
 pk_real fput_kinetic(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                      const pk_real *u)
 {
-    pk_real total;
-
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    total = 0;
-    {
-        const ptrdiff_t end = p->N + 1;
-        const ptrdiff_t lo = 1;
-        const ptrdiff_t hi = p->N;
-        pk_real s[8] = {0, 0, 0, 0, 0, 0, 0, 0}, r[1];
-        ptrdiff_t m, l;
-
-        for (m = 1; m < lo && m < end; m++) {
-            fput_kinetic_part(p, t, q, v, u, m, r);
-            total += r[0];
-        }
-        for (; m + 7 <= hi; m += 8) {
-            pk_real x[8];
-            for (l = 0; l < 8; l++)
-                (void)fput_kinetic_inner(p, t, q, v, u, m + l, x + l);
-            for (l = 0; l < 8; l++)
-                s[l] += x[l];
-        }
-        for (; m < end; m++) {
-            fput_kinetic_part(p, t, q, v, u, m, r);
-            total += r[0];
-        }
-        total += ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
-    }
-    return total;
+    pk_real e[PK_BLOCK];
+    const struct pk_members x = fput_members(p, t, q, v, u);
+    return pk_total(&x, fput_kinetic_terms, 1, e);
 }
 
 /* V. */
-PK_INLINE static pk_bits fput_potential_inner(const struct fput_params *p, pk_real t,
-                                              const pk_real *q, const pk_real *v,
-                                              const pk_real *u, ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    (void)m;
-    const pk_real q_ = q[m - 1];
-    const pk_real q_p1 = q[m];
-    const pk_real q_p1_minus_q_ = q_p1 - q_;
-    r[0] = q_p1_minus_q_ * q_p1_minus_q_ * (PK_C(0.5) + p->c_[0] * q_p1_minus_q_);
-    return 0;
-}
-
-static void fput_potential_part(const struct fput_params *p, pk_real t, const pk_real *q,
-                                const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
-{
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    r[0] = 0;
-    (void)m;
-    if (m >= 0 && m <= p->N) {
-        const pk_real q_ = fput_q_q(p, t, q, u, m);
-        const pk_real q_p1 = fput_q_q(p, t, q, u, m + 1);
-        const pk_real q_p1_minus_q_ = q_p1 - q_;
-        const pk_real q_p1_minus_q__sq = q_p1_minus_q_ * q_p1_minus_q_;
-        r[0] += PK_C(0.5) * q_p1_minus_q__sq + p->c_[0] * q_p1_minus_q_ * q_p1_minus_q__sq;
-    }
-}
-
 pk_real fput_potential(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                        const pk_real *u)
 {
-    pk_real total;
-
-    (void)p, (void)t, (void)q, (void)v, (void)u;
-    total = 0;
-    {
-        const ptrdiff_t end = p->N + 1;
-        const ptrdiff_t lo = 1;
-        const ptrdiff_t hi = p->N - 1;
-        pk_real s[8] = {0, 0, 0, 0, 0, 0, 0, 0}, r[1];
-        ptrdiff_t m, l;
-
-        for (m = 0; m < lo && m < end; m++) {
-            fput_potential_part(p, t, q, v, u, m, r);
-            total += r[0];
-        }
-        for (; m + 7 <= hi; m += 8) {
-            pk_real x[8];
-            for (l = 0; l < 8; l++)
-                (void)fput_potential_inner(p, t, q, v, u, m + l, x + l);
-            for (l = 0; l < 8; l++)
-                s[l] += x[l];
-        }
-        for (; m < end; m++) {
-            fput_potential_part(p, t, q, v, u, m, r);
-            total += r[0];
-        }
-        total += ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
-    }
-    return total;
-}
-
-/* Kicks v += kappa h a(q, t) and drifts q += delta h v of splitting methods, fused: a block of each
- * family is kicked and then drifts, but for the last members, which the next rows still need. Several
- * stages follow each other so closely that memory is gone through once for fput_STAGES of them.
- * Sums are not compensated: that would double the traffic. */
-enum {
-    fput_STEP = 1024, /* members a block */
-    fput_TRAIL = 8, /* of kicks before drifts, whole lines of memory */
-    fput_STAGES = 32
-};
-
-/* The members from .. to - 1 of every family drift. */
-static void fput_drift(const struct fput_params *p, pk_real h, pk_real *PK_RESTRICT q,
-                       const pk_real *PK_RESTRICT v, ptrdiff_t from, ptrdiff_t to)
-{
-    (void)p;
-    if (!(h > 0 || h < 0))
-        return;
-    {
-        const ptrdiff_t end = fput_least(to, p->N + 1);
-        ptrdiff_t m, chunk = fput_most(from, 1);
-        for (; chunk + fput_CHUNK <= end; chunk += fput_CHUNK)
-            for (m = chunk; m < chunk + fput_CHUNK; m++)
-                q[m - 1] += h * v[m - 1];
-        for (m = chunk; m < end; m++)
-            q[m - 1] += h * v[m - 1];
-    }
-}
-
-/* The first line of memory from m on, that lies a whole number of them from `from`. */
-static ptrdiff_t fput_line(ptrdiff_t m, ptrdiff_t from)
-{
-    return from + (m - from + 7) / 8 * 8;
-}
-
-/* The members from .. to - 1 of q are kicked: none of their rows reaches an end. With `drifts` each
- * drifts at once. */
-PK_INLINE static void fput_kick_q(const struct fput_params *p, pk_real t, pk_real h,
-                                  pk_real delta, int drifts, pk_real *PK_RESTRICT q,
-                                  pk_real *PK_RESTRICT v, const pk_real *PK_RESTRICT flux,
-                                  ptrdiff_t base, ptrdiff_t from, ptrdiff_t to)
-{
-    const pk_real *const u = NULL;
-    ptrdiff_t m, chunk;
-
-    (void)u;
-    for (chunk = from; chunk + fput_CHUNK <= to; chunk += fput_CHUNK)
-        for (m = chunk; m < chunk + fput_CHUNK; m++) {
-            pk_real r[2];
-            (void)fput_acceleration_q_inner(p, t, q, q, u, flux + (m - base + fput_BOND), m, r);
-            v[m - 1] += h * r[0];
-            if (drifts) q[m - 1] += delta * v[m - 1];
-        }
-    if (chunk < to)
-        for (m = chunk; m < to; m++) {
-            pk_real r[2];
-            (void)fput_acceleration_q_inner(p, t, q, q, u, flux + (m - base + fput_BOND), m, r);
-            v[m - 1] += h * r[0];
-            if (drifts) q[m - 1] += delta * v[m - 1];
-        }
-}
-
-/* Kicks the members whose rows reach an end of the family. */
-static void fput_kick_ends(const struct fput_params *p, pk_real t, pk_real h,
-                           const pk_real *PK_RESTRICT q, pk_real *PK_RESTRICT v, ptrdiff_t from,
-                           ptrdiff_t to)
-{
-    {
-        const ptrdiff_t end = fput_least(to, p->N + 1);
-        const ptrdiff_t lo = 2;
-        const ptrdiff_t hi = p->N - 1;
-        ptrdiff_t m;
-        for (m = fput_most(from, 1); m < end; m++)
-            if (m < lo || m > hi) {
-                pk_real r[2];
-                fput_acceleration_q_part(p, t, q, q, NULL, m, r);
-                v[m - 1] += h * (r[0] / r[1]);
-            } else {
-                m = fput_most(m, fput_least(end - 1, hi)); /* on to the other end */
-            }
-    }
-}
-
-/* The members from .. to - 1 are kicked, and those fput_TRAIL before them drift. */
-static void fput_stage(const struct fput_params *p, pk_real t, pk_real delta, pk_real kappa,
-                       pk_real *PK_RESTRICT q, pk_real *PK_RESTRICT v, ptrdiff_t from,
-                       ptrdiff_t to)
-{
-    const pk_real *const u = NULL;
-    const ptrdiff_t done = from - fput_TRAIL, last = to - fput_TRAIL;
-
-    (void)u;
-    if (!(kappa > 0 || kappa < 0)) {
-        fput_drift(p, delta, q, v, done, last);
-        return;
-    }
-    fput_kick_ends(p, t, kappa, q, v, from, to);
-    {
-        const ptrdiff_t begin = fput_most(from, 2);
-        const ptrdiff_t stop = fput_least(to - 1, p->N - 1) + 1;
-        pk_real flux[1 * (fput_BLOCK + fput_BOND)];
-        const ptrdiff_t base = from;
-        const ptrdiff_t whole = fput_least(stop, fput_line(begin - 1, from));
-        ptrdiff_t m, chunk;
-        for (m = begin - 1; m < whole; m++)
-            (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base + fput_BOND));
-        for (chunk = whole; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
-            for (m = chunk; m < chunk + fput_CHUNK; m++)
-                (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base + fput_BOND));
-        if (chunk < stop)
-            for (m = chunk; m < stop; m++)
-                (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base + fput_BOND));
-        const int drifts = delta > 0 || delta < 0;
-        const ptrdiff_t both = drifts ? fput_most(begin, fput_least(stop, last)) : begin;
-        const ptrdiff_t line = fput_least(fput_line(begin, from), both);
-        fput_drift(p, delta, q, v, done, fput_least(begin, last));
-        fput_kick_q(p, t, kappa, delta, 1, q, v, flux, from, begin, line);
-        fput_kick_q(p, t, kappa, delta, 1, q, v, flux, from, line, both);
-        fput_kick_q(p, t, kappa, delta, 0, q, v, flux, from, both, stop);
-        fput_drift(p, delta, q, v, both, last);
-    }
-}
-
-/* One pass: `count` stages, each a kick by kappa[s] at time[s] and then a drift by delta[s]. Each
- * begins where the one before it has drifted, two TRAIL behind that one's end. */
-static void fput_pass(const struct fput_params *p, int count, const pk_real *time,
-                      const pk_real *delta, const pk_real *kappa, pk_real *q, pk_real *v)
-{
-    const ptrdiff_t first = 1;
-    const ptrdiff_t end = p->N + 1 + fput_TRAIL;
-    const ptrdiff_t lag = 2 * fput_TRAIL;
-    ptrdiff_t begin;
-    int s;
-
-    for (begin = first; begin < end + (count - 1) * lag; begin += fput_STEP)
-        for (s = 0; s < count; s++) {
-            const ptrdiff_t from = fput_most(begin - s * lag, first);
-            const ptrdiff_t to = fput_least(begin + fput_STEP - s * lag, end);
-            if (from < to)
-                fput_stage(p, time[s], delta[s], kappa[s], q, v, from, to);
-        }
+    pk_real e[PK_BLOCK];
+    const struct pk_members x = fput_members(p, t, q, v, u);
+    return pk_total(&x, fput_potential_terms, 1, e);
 }
 
 void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
                   const pk_real *drift, pk_real t, pk_real h, unsigned long steps, pk_real *q,
                   pk_real *v)
 {
-    const ptrdiff_t first = 1;
-    const ptrdiff_t last = p->N;
-    /* Members that fit in one block need one stage at a time. */
-    const int most = last - first < fput_STEP - fput_TRAIL ? 1 : fput_STAGES;
-    const pk_real ends = kick[stages] * h; /* the last kick of a step and the first of the next are one */
-    pk_real time[fput_STAGES], delta[fput_STAGES], kappa[fput_STAGES];
-    unsigned long k;
-    int i, count = 0;
+    pk_real e[1026];
+    struct pk_members x = fput_members(p, t, q, v, NULL);
 
-    if (steps == 0)
-        return;
-    for (k = 0; k < steps; k++) {
-        const pk_real start = t + (pk_real)k * h;
-        pk_real done = 0; /* fraction of the step drifted so far */
-        for (i = 0; i < stages; i++) {
-            kappa[count] = i == 0 && k > 0 ? ends + kick[0] * h : kick[i] * h;
-            time[count] = start + done * h;
-            delta[count] = drift[i] * h;
-            done += drift[i];
-            if (++count == most) {
-                fput_pass(p, count, time, delta, kappa, q, v);
-                count = 0;
-            }
-        }
-    }
-    if (count)
-        fput_pass(p, count, time, delta, kappa, q, v);
-    if (ends > 0 || ends < 0) {
-        time[0] = t + (pk_real)steps * h;
-        kappa[0] = ends;
-        delta[0] = 0;
-        fput_pass(p, 1, time, delta, kappa, q, v);
-    }
+    pk_advance(&x, &fput_acceleration_of, e, 8, stages, kick, drift, t, h, steps, (ptrdiff_t)fput_count(p), q, v);
 }
 const char fput_source_hash[65] =
     "e5622cd8c86f10467e1ae3f6893e6e7ffa61d620aa027de1d47c041ad1ee035a";

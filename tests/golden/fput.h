@@ -32,14 +32,14 @@
  *
  * Operations of each kernel, without those of fput_prepare():
  *
- *   force_q: 9 operations: 1 +, 4 -, 4 * a member
- *   canonical_q: 9 operations: 1 +, 4 -, 4 * a member
- *   momenta_q: no operations a member
- *   gradient_q: 9 operations: 1 +, 4 -, 4 * a member
- *   mass_q: no operations a member
- *   acceleration_q: 1 operation: 1 - a member
- *   energy: 8 operations: 2 +, 1 -, 5 * a member
- *   lagrangian: 8 operations: 1 +, 2 -, 5 * a member
+ *   force: 4 operations: 1 +, 1 -, 2 * a member
+ *   canonical: 4 operations: 1 +, 1 -, 2 * a member
+ *   momenta: no operations a member
+ *   gradient: 4 operations: 1 +, 1 -, 2 * a member
+ *   mass: no operations a member
+ *   acceleration: 4 operations: 1 +, 1 -, 2 * a member
+ *   energy: 7 operations: 1 +, 1 -, 5 * a member
+ *   lagrangian: 8 operations: 1 +, 1 -, 5 *, 1 neg a member
  *   kinetic: 2 operations: 2 * a member
  *   potential: 5 operations: 1 +, 1 -, 3 * a member
  *
@@ -194,6 +194,7 @@ struct fput_params {
     pk_real c_[2]; /* set by fput_prepare(); do not set this or the members below */
     pk_real *work_;
     int failed_;
+    ptrdiff_t at_[8];
 };
 
 /* Sets every size to its default and every pointer to NULL. */

@@ -85,11 +85,39 @@ PK_PERHAPS static void pk_one_pass(struct pk_members *x, const struct pk_vector 
         }
 }
 
+/* A kick and a drift of a ring: first are kicked, before anything drifts, `trail` rows at each end,
+ * whose terms reach around it. */
+PK_PERHAPS static void pk_around(const struct pk_members *x, const struct pk_vector *of, pk_real *e,
+                                 ptrdiff_t trail, pk_real kappa, pk_real delta, pk_real *q,
+                                 pk_real *v)
+{
+    const ptrdiff_t *range = pk_range_of_family(x, of->sets[0].family);
+    const ptrdiff_t first = range[1], end = range[2] + 1;
+    const ptrdiff_t low = pk_least(first + trail, end), high = pk_most(low, end - trail);
+    pk_real carried[PK_MOST_CARRIED];
+    ptrdiff_t from, to, k;
+    int g;
+
+    if (low > first)
+        pk_stage(x, of, e, carried, 0, first, low, kappa, 0, q, v);
+    if (end > high)
+        pk_stage(x, of, e, carried, 0, high, end, kappa, 0, q, v);
+    for (from = low; from < high; from = to) {
+        to = pk_least(high, from + of->chunk);
+        pk_stage(x, of, e, carried, from > low, from, to, kappa, delta, q, v);
+    }
+    for (g = 0; g < of->n_sets; g++) {
+        const ptrdiff_t place = pk_range_of_family(x, of->sets[g].family)[0] - first;
+        for (k = first; k < end; k = k + 1 == low ? high : k + 1)
+            q[place + k] += delta * v[place + k];
+    }
+}
+
 /* Makes `steps` steps of h from time t, in place: kicks v += kick[i] h a(q, t) for i = 0 .. stages,
  * and drifts q += drift[i] h v between them. The last kick of a step and the first of the next are
  * one. e has the room that two of pk_compute() need; n is the number of coordinates. With a lag,
  * terms of rows from m on read no rows before m, and none m + lag or further; the stages of several
- * steps are then made in one pass over memory. */
+ * steps are then made in one pass over memory. Rings of equal length have minus this lag. */
 PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_vector *of, pk_real *e,
                                   ptrdiff_t lag, int stages, const pk_real *kick,
                                   const pk_real *drift, pk_real t, pk_real h, unsigned long steps,
@@ -111,7 +139,10 @@ PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_vector *
                                         : kick[0] * h;
             delta[count] = k < steps ? drift[i] * h : 0;
             done += k < steps ? drift[i] : 0;
-            if (!lag) {
+            if (lag < 0) {
+                x->t = time[0];
+                pk_around(x, of, e, -lag, kappa[0], delta[0], q, v);
+            } else if (!lag) {
                 x->t = time[0];
                 if (kappa[0] > 0 || kappa[0] < 0)
                     (void)pk_compute(x, of, e, &v, v, kappa[0]);

@@ -61,7 +61,7 @@ class _Context:
         if self.fused:
             vector = self.plan.vectors["acceleration"]
             self.lag = lag_of(e, vector, self.slots)
-            vector.kicks = self.lag > 0
+            vector.kicks = self.lag != 0
         # No nodes are added to the graph after this.
         self.e = e = replace(e, slots=tuple(self.slots.all))
         self.given = {at: [_value(node) for node in nodes] for at, nodes in e.given.items()}

@@ -25,8 +25,8 @@ def has_steps(e: LoopEquations, plan: Plan, slots: Slots) -> bool:
 
 def lag_of(e: LoopEquations, vector: Vector, slots: Slots) -> int:
     """Returns by how many members a stage of a step trails the one before it, so that both are made
-    in one pass over memory: terms of rows from m on must read no rows before m. 0 if they do, or
-    read around the end of a ring, or a single term far from its row."""
+    in one pass over memory: terms of rows from m on must read no rows before m. 0 if they do, or a
+    single term is far from its row. Minus the number for rings, whose steps are made one by one."""
     low, high = reach(vector)
     shifts = [0]
     for terms in vector.terms:
@@ -38,12 +38,17 @@ def lag_of(e: LoopEquations, vector: Vector, slots: Slots) -> int:
                 return 0
             shifts.append(at.constant)
     carried = sum(len(terms.nodes) for terms in vector.of(2)) * (high - low)
-    rings = any(g.periodic for g in e.families)
-    if rings or min(shifts) < low or carried > MOST_CARRIED or not _close(e):
+    if min(shifts) < low or carried > MOST_CARRIED or not _close(e):
         return 0
     lag = max(shifts) - low + 1 + (high - low) + added(vector, e)
     lag = -(-lag // LINE) * LINE
-    return lag if lag <= MOST_LAG else 0
+    if any(g.periodic for g in e.families):
+        same = all(
+            (g.lo, g.hi, g.periodic) == (e.families[0].lo, e.families[0].hi, True)
+            for g in e.families
+        )
+        lag = -lag if same else 0
+    return lag if abs(lag) <= MOST_LAG else 0
 
 
 def _close(e: LoopEquations) -> bool:
