@@ -631,19 +631,19 @@ PK_PERHAPS static size_t pk_list(const struct pk_members *x, const struct pk_ter
 PK_PERHAPS static void pk_listed(const struct pk_members *x, const struct pk_terms *of, size_t k,
                                  ptrdiff_t *i, ptrdiff_t *j)
 {
-    const size_t count = (size_t)pk_most(0, x->at[of->over + 1] + 1 - x->at[of->over]);
-
     *j = 0;
-    *i = x->at[of->over] + (ptrdiff_t)k;
-    for (*i = x->at[of->over]; of->pairs; ++*i) {
+    *i = x->at[of->over];
+    if (!of->pairs) {
+        *i += (ptrdiff_t)k;
+        return;
+    }
+    for (;; ++*i) {
         const size_t n = (size_t)pk_partners(x, of, *i, j);
-        if (k < n) {
-            *j += (ptrdiff_t)k;
-            return;
-        }
+        if (k < n)
+            break;
         k -= n;
     }
-    *i += (ptrdiff_t)(k < count ? k : count);
+    *j += (ptrdiff_t)k;
 }
 
 /* Writes the values of sequences, from the first member to the last. to[g][r] is where value r of

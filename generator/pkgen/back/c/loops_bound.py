@@ -18,8 +18,9 @@ from ...middle.loops.jacobians import Slopes
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.slots import M
 from .loops import Places
+from .loops_numbers import Numbers
 from .loops_plan import BOUND, Plan, half_width
-from .loops_text import Numbers, table
+from .loops_text import table
 
 SAYS = {
     "constraint": "phi, which the rows of positions keep at 0",

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from ...graph.affine import OTHER, ROW
+from ...graph.affine import ROW
 from ...graph.collect import THOROUGH, fewest, settled
 from ...graph.differentiate import reachable
 from ...graph.graph import ZERO, Node
@@ -203,7 +203,3 @@ def moves(cell: Cell) -> bool:
     """Returns whether the index of a cell is m plus a constant."""
     at = cell[1]
     return at is not None and at.factor(ROW) == 1 and at.without(ROW).is_constant
-
-
-def is_other(cell: Cell) -> bool:
-    return cell[1] is not None and bool(cell[1].factor(OTHER))

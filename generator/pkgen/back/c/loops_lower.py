@@ -24,11 +24,12 @@ from .loops_before import Before
 from .loops_bound import Layout, bound_context, layout_of_k, layout_of_slopes
 from .loops_chain import chain_context
 from .loops_kernels import Builder
+from .loops_numbers import Numbers
 from .loops_plan import TOTALS, VECTORS, divides, emitted, planned, watches_momenta, within
 from .loops_steps import has_steps, lag_of
 from .loops_switches import described as switches
 from .loops_switches import sides
-from .loops_text import KernelText, Numbers
+from .loops_text import KernelText
 from .program import LoopProgram, operations_text
 from .render import frame, pasted
 
