@@ -508,7 +508,7 @@ PK_PERHAPS static pk_bits pk_compute(const struct pk_members *x, const struct pk
     return bad;
 }
 
-/* -- pairs, totals, values of each member ------------------------------------------------------ */
+/* -- totals -------------------------------------------------------------------------------------- */
 
 /* Returns how many pairs the member m has, and the least index *j of its partners. */
 PK_PERHAPS static ptrdiff_t pk_partners(const struct pk_members *x, const struct pk_terms *of,
@@ -535,6 +535,32 @@ PK_PERHAPS static void pk_evaluate_pairs(const struct pk_members *x, const struc
     if (of->values(x, PK_IN_LANE, m, j, n, s, o))
         (void)of->values(x, PK_CAREFULLY, m, j, n, s, o);
 }
+
+/* The sum of all values of some terms, with one value each; e has room for PK_BLOCK numbers. */
+PK_PERHAPS static pk_real pk_total(const struct pk_members *x, const struct pk_terms *of, int count,
+                                   pk_real *e)
+{
+    pk_real eight[8] = {0};
+    ptrdiff_t m, j, n, left;
+
+    for (; count-- > 0; of++)
+        for (m = x->at[of->over]; m <= x->at[of->over + 1]; m += of->pairs ? 1 : n) {
+            n = pk_least(PK_BLOCK, x->at[of->over + 1] + 1 - m);
+            if (!of->pairs) {
+                pk_evaluate(x, of, m, m + n, &e);
+                pk_add_up(e, n, 1, eight);
+                continue;
+            }
+            for (left = pk_partners(x, of, m, &j); left > 0; left -= n, j += n) {
+                n = pk_least(left, PK_BLOCK);
+                pk_evaluate_pairs(x, of, m, j, n, &e);
+                pk_add_up(e, n, 1, eight);
+            }
+        }
+    return pk_whole(eight);
+}
+
+/* -- pairs --------------------------------------------------------------------------------------- */
 
 /* Adds the values of pairs to a vector; e has room for those of one term, PK_BLOCK pairs each. */
 PK_PERHAPS static void pk_add_pairs(const struct pk_members *x, const struct pk_vector *of,
@@ -574,29 +600,7 @@ PK_PERHAPS static void pk_add_pairs(const struct pk_members *x, const struct pk_
     }
 }
 
-/* The sum of all values of some terms, with one value each; e has room for PK_BLOCK numbers. */
-PK_PERHAPS static pk_real pk_total(const struct pk_members *x, const struct pk_terms *of, int count,
-                                   pk_real *e)
-{
-    pk_real eight[8] = {0};
-    ptrdiff_t m, j, n, left;
-
-    for (; count-- > 0; of++)
-        for (m = x->at[of->over]; m <= x->at[of->over + 1]; m += of->pairs ? 1 : n) {
-            n = pk_least(PK_BLOCK, x->at[of->over + 1] + 1 - m);
-            if (!of->pairs) {
-                pk_evaluate(x, of, m, m + n, &e);
-                pk_add_up(e, n, 1, eight);
-                continue;
-            }
-            for (left = pk_partners(x, of, m, &j); left > 0; left -= n, j += n) {
-                n = pk_least(left, PK_BLOCK);
-                pk_evaluate_pairs(x, of, m, j, n, &e);
-                pk_add_up(e, n, 1, eight);
-            }
-        }
-    return pk_whole(eight);
-}
+/* -- lists --------------------------------------------------------------------------------------- */
 
 /* Writes the values of some terms, each with one for each member or pair, one behind the other.
  * With `out` NULL it only counts them. */
@@ -645,6 +649,8 @@ PK_PERHAPS static void pk_listed(const struct pk_members *x, const struct pk_ter
     }
     *j += (ptrdiff_t)k;
 }
+
+/* -- sequences ----------------------------------------------------------------------------------- */
 
 /* Writes the values of sequences, from the first member to the last. to[g][r] is where value r of
  * the first member of terms g goes; others follow. With `mutual` terms read what others have for

@@ -97,6 +97,11 @@ class Builder:
     def __init__(self, e: LoopEquations, places: Places):
         self.e, self.places, self.g = e, places, e.graph
         self.slots = Slots(e.graph, e.slots)
+        self._known: dict[tuple, Terms] = {}
+
+    def terms(self, name: str, over: Over, nodes: list[Node]) -> Terms:
+        """Returns terms with these values. Kernels with equal terms share their C function."""
+        return self._known.setdefault((over, tuple(nodes)), Terms(name, over, nodes))
 
     def kernel(self, name: str, outputs: Sequence[Iterable[Addend]], short: bool = True) -> Kernel:
         return Kernel(name, *self._made(name, outputs, short))
@@ -119,7 +124,7 @@ class Builder:
     def totals(self, name: str, addends: Iterable[Addend], short: bool = True) -> list[Terms]:
         """Returns terms with one value each, whose sum is the total."""
         return [
-            Terms(f"{name}_{k}", x.over, self._short([x.node], short))
+            self.terms(f"{name}_{k}", x.over, self._short([x.node], short))
             for k, x in enumerate(addends)
         ]
 
@@ -138,7 +143,7 @@ class Builder:
                 shorter = self._short([x.node for _, x in part], short)
                 nodes: list[Node] = []
                 places = [self._place(nodes, node) for node in shorter]
-                made = Terms(f"{name}_{len(terms)}", over, nodes)
+                made = self.terms(f"{name}_{len(terms)}", over, nodes)
                 terms.append(made)
                 goals += [
                     Goal(made, value, sign, output, x.to)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
@@ -9,7 +10,7 @@ from typing import Any
 
 from ...equations import Facts
 from ...graph.affine import Affine, variable
-from ...graph.graph import Node
+from ...graph.graph import ZERO, Node
 from ...middle.loops.indices import size_values
 from ...middle.loops.loops import Assigned, Limit, LoopEquations, Summed
 from ..facts import facts, invariants
@@ -210,6 +211,7 @@ class _Context:
             "divides": divides(e),
             "constant_mass": constant,
             "masses": [block.value for block in plan.masses],
+            "checked": "mass" in plan.vectors,
             "helpers": helpers(w.helpers),
             "float_too": w.work.constants.float_too,
             "operations": list(self._operations()),
@@ -236,11 +238,23 @@ class _Context:
         return found
 
     def _headers(self, layouts: dict[str, Layout]) -> list[str]:
-        names = ["members.h"]
-        names += ["ldl.h", "members_band.h"] * bool(layouts or self.plan.made)
-        names += ["members_chain.h"] * bool(self.plan.made)
+        """Returns the headers of the runtime that the model needs, without unused parts."""
+        plan = self.plan
+        lists = plan.singularities or plan.switches or plan.observed or self.e.pivots
+        used = {
+            "pairs": any(kernel.of(4) for kernel in plan.kernels),
+            "lists": lists,
+            "sequences": plan.chain,
+        }
+        members = pasted("members.h")
+        for part in (name for name, needed in used.items() if not needed):
+            members = re.sub(
+                rf"/\* -- {part} -+ .*?(?=/\* -- |#endif\n*$)", "", members, flags=re.S
+            )
+        names = ["ldl.h", "members_band.h"] * bool(layouts or plan.made)
+        names += ["members_chain.h"] * bool(plan.made)
         names += ["members_steps.h"] * self.fused
-        return [pasted(name) for name in names]
+        return [members, *map(pasted, names)]
 
     def _tables(self, text: KernelText, layouts: dict[str, Layout]) -> str:
         """Returns all functions of terms, and the tables for members.h."""
@@ -300,6 +314,8 @@ class _Context:
         the index and the statements of each."""
         found = []
         for (name, at), blocks in self.given.items():
+            if all(node == ZERO for block in blocks for node in block.nodes):
+                continue
             family = self.numbers.families[name, ""]
             orders = [block.statements for block in blocks]
             found.append({"family": family, "at": self.places.index(at), "orders": orders})

@@ -70,7 +70,7 @@ class Plan:
 
     @property
     def blocks(self) -> Iterator[Block]:
-        yield from (terms.block for terms in self.terms)
+        yield from {terms.name: terms.block for terms in self.terms}.values()
         yield from self.masses
         if self.chain:
             yield from self.chain.blocks
@@ -119,7 +119,7 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
             own = (x for x in e.mass if x.to == ((a, None), (b, None)))
             plan.totals[f"mass_{a}_{b}"] = make.totals(f"mass_{a}_{b}", own)
     elif divides(e):
-        _plan_divided(e, make, plan)
+        _plan_divided(e, make, plan, kernels)
     if e.extended or not (e.carried or divides(e)):
         plan.matrices["inertia"] = make.kernel("inertia", [e.mass])
     if e.extended or (e.carried and "jacobian" in kernels):
@@ -141,26 +141,28 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
     return plan
 
 
-def _plan_divided(e: LoopEquations, make: Builder, plan: Plan) -> None:
+def _plan_divided(e: LoopEquations, make: Builder, plan: Plan, kernels: frozenset[str]) -> None:
     """Plans M, which is diagonal, and the accelerations: the force divided by the mass in terms,
     where the mass is the same for all members; in rows, if the force is no sum over pairs or for a
-    scalar; or after all forces."""
+    scalar; or after all forces. M is left out if nothing reads it and no mass can fail."""
     mass = tuple(Addend(x.over, x.node, x.to[:1]) for x in e.mass)
-    plan.vectors["mass"] = make.vector("mass", [mass], e.coordinates)
-    if e.has_pairs:
-        plan.vectors["divide"] = make.vector("divide", [mass], e.coordinates, "DIVIDE")
-        return
     same = {g.name: _same_mass(e, make, g) for g in e.coordinates}
-    if all(node is not None for node in same.values()):
-        divide = e.graph.divide
+    groups, divide = e.coordinates, e.graph.divide
+    if e.has_pairs:
+        plan.vectors["divide"] = make.vector("divide", [mass], groups, "DIVIDE")
+    elif all(node is not None for node in same.values()):
         a = [Addend(x.over, divide(x.node, same[x.to[0][0]]), x.to) for x in e.force]
-        plan.vectors["acceleration"] = make.vector("acceleration", [a], e.coordinates)
+        plan.vectors["acceleration"] = make.vector("acceleration", [a], groups)
         values = ((node, e.graph.value(node)) for node in dict.fromkeys(same.values()))
         checked = [node for node, value in values if value is None or value <= 0]
         plan.masses = [Block.of(RETURN, "", [node], INNER) for node in checked]
-        return
-    rows = [e.force, mass]
-    plan.vectors["acceleration"] = make.vector("acceleration", rows, e.coordinates, "QUOTIENT")
+        if not (checked or {"mass", "inertia"} & kernels or e.pivots):
+            return
+    else:
+        plan.vectors["acceleration"] = make.vector(
+            "acceleration", [e.force, mass], groups, "QUOTIENT"
+        )
+    plan.vectors["mass"] = make.vector("mass", [mass], groups)
 
 
 def _same_mass(e: LoopEquations, make: Builder, g: Group):

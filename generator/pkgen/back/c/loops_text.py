@@ -33,6 +33,7 @@ class KernelText:
 
     def __init__(self, name: str, e: LoopEquations, numbers: Numbers):
         self.name, self.e, self.numbers = name, e, numbers
+        self._written: set[str] = set()  # the functions of terms
 
     def lines(self, found: Iterable[Statement], indent: int) -> str:
         return "\n".join(rendered(statements(found), indent))
@@ -63,9 +64,10 @@ class KernelText:
         text, rows = "", []
         for terms in found:
             own = f"{self.name}_{terms.name}"
-            text += self.term(terms)
             slots = [self.numbers.slot(slot) for slot in terms.slots]
-            text += table("struct pk_slot", f"{own}_reads", slots)
+            if terms.name not in self._written:
+                text += self.term(terms) + table("struct pk_slot", f"{own}_reads", slots)
+            self._written.add(terms.name)
             rows.append(self._row(terms, f"{own}_reads" if slots else "NULL"))
         return f"{text}{table('struct pk_terms', f'{self.name}_{name}', rows)}\n"
 
