@@ -287,8 +287,11 @@ PK_PERHAPS static void pk_fill(const struct pk_members *x, const struct pk_vecto
             for (m = hi; m < end; m++)
                 o[r][m - lo] = 0;
         }
-        if (lo < hi)
-            pk_evaluate(x, terms, lo, hi, o);
+        for (m = lo; m < hi; m += PK_BLOCK) {
+            pk_evaluate(x, terms, m, pk_least(hi, m + PK_BLOCK), o);
+            for (r = 0; r < terms->n_values; r++)
+                o[r] += PK_BLOCK;
+        }
         done += terms->n_values;
     }
 }
@@ -569,12 +572,12 @@ PK_PERHAPS static void pk_add_pairs(const struct pk_members *x, const struct pk_
     pk_real *o[PK_MOST_SLOTS];
     int g, k, first, next = 0;
 
-    for (k = 0; k < PK_MOST_SLOTS; k++)
-        o[k] = e + k * PK_BLOCK;
     for (g = 0; g < of->n_pairs; g++) {
         const struct pk_terms *terms = of->pairs + g;
         ptrdiff_t m, j, n, left, c;
         first = next;
+        for (k = 0; k < terms->n_values; k++)
+            o[k] = e + k * PK_BLOCK;
         for (m = x->at[terms->over]; m <= x->at[terms->over + 1]; m++)
             for (left = pk_partners(x, terms, m, &j); left > 0; left -= n, j += n) {
                 n = pk_least(left, PK_BLOCK);

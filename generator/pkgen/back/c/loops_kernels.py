@@ -20,7 +20,9 @@ from ...middle.loops.slots import Slots
 from ..targets import STORE, Target
 from .loops import TERMS, Block, Places
 
-MOST_VALUES = 200  # of one C function; members.h has room for 256
+MOST_VALUES = 200  # of one C function; members.h has room for PK_MOST_SLOTS
+# Numbers in the buffer of a kernel, where it has several values; members at a time.
+MOST_ROOM, BLOCK, FEWEST = 4096, 512, 16
 
 
 @dataclass
@@ -118,8 +120,7 @@ class Builder:
         families = [g for g in groups if g.is_family]
         scalars = [g for g in groups if not g.is_family]
         terms, goals = self._made(name, outputs, short)
-        found = Vector(name, terms, goals, families, scalars, len(outputs), finish)
-        return found
+        return Vector(name, terms, goals, families, scalars, len(outputs), finish)
 
     def totals(self, name: str, addends: Iterable[Addend], short: bool = True) -> list[Terms]:
         """Returns terms with one value each, whose sum is the total."""
@@ -172,6 +173,15 @@ class Builder:
                 return k, -1
         nodes.append(node)
         return len(nodes) - 1, 1
+
+
+def members_in(values: int) -> int:
+    """Returns how many members are computed at a time by functions with so many values."""
+    return max(FEWEST, min(BLOCK, MOST_ROOM // max(1, values) // FEWEST * FEWEST))
+
+
+def chunk_of(vector: Kernel) -> int:
+    return members_in(sum(len(terms.nodes) for terms in vector.of(2)))
 
 
 def beyond(group: Group, e: LoopEquations) -> tuple[int, int]:

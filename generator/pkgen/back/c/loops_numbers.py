@@ -35,7 +35,6 @@ class Numbers:
         self.families: dict[tuple[str, str], int] = {}
         self.rows: list[tuple[str, str, str]] = []  # first number, least and greatest index
         self.shapes: list[str] = []  # rows of struct pk_family
-        self.groups_of: list[Group | None] = []
         for g in (*e.coordinates, *e.carried_groups):
             self._enter(g.name, "", places.first[g.name], g)
         for rows in e.bound:
@@ -58,14 +57,12 @@ class Numbers:
         self.rows.append((index(first), lo, hi))
         below, above = beyond(g, self.e) if not g.periodic and not kind else (0, 0)
         self.shapes.append(f"{{{int(g.periodic)}, {below}, {above}}}")
-        self.groups_of.append(g)
 
     def _side(self, k: int) -> None:
         self.families[str(k), "side"] = len(self.rows)
         lo, hi = (f"p->side_{end}_[{k}]" for end in ("lo", "hi"))
         self.rows.append((f"p->side_at_[{k}] + {lo}", lo, hi))
         self.shapes.append("{0, 0, 0}")
-        self.groups_of.append(None)
 
     def range(self, *ends: Affine) -> int:
         """Returns the index in `at_` of successive numbers."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...graph.affine import ROW
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.slots import M, Slots
-from .loops_kernels import Vector, added, reach
+from .loops_kernels import Vector, added, chunk_of, reach
 from .loops_plan import Plan
 
 LINE = 8  # Members per cache line.
@@ -48,7 +48,7 @@ def lag_of(e: LoopEquations, vector: Vector, slots: Slots) -> int:
             for g in e.families
         )
         lag = -lag if same else 0
-    return lag if abs(lag) <= MOST_LAG else 0
+    return lag if abs(lag) <= min(MOST_LAG, chunk_of(vector)) else 0
 
 
 def _close(e: LoopEquations) -> bool:

@@ -9,13 +9,21 @@ from ...graph.affine import ROW, Affine
 from ...middle.loops.indexed_ir import Cell, Group
 from ...middle.loops.loops import LoopEquations
 from .kernel_code import statements
-from .loops_kernels import Goal, Kernel, Terms, Vector, beyond, moves, reach
+from .loops_kernels import (
+    BLOCK,
+    Goal,
+    Kernel,
+    Terms,
+    Vector,
+    beyond,
+    chunk_of,
+    members_in,
+    moves,
+    reach,
+)
 from .loops_numbers import Numbers
 from .program import Statement
 from .tree import Declare, Function, Node, rendered
-
-MOST_ROOM = 4096  # numbers of a buffer; below it, BLOCK members at a time
-BLOCK, FEWEST = 512, 16
 
 
 def filled(rows: Iterable[str], indent: int = 4) -> str:
@@ -114,18 +122,14 @@ class KernelText:
             f"{stem}_scalars" if scalars else "NULL",
             f"{{{', '.join(pointers)}}}",
             f"PK_{of.finish}",
-            *map(str, (of.outputs, self.chunk(of), low, high, self.width(of))),
+            *map(str, (of.outputs, chunk_of(of), low, high, self.width(of))),
         ]
         return f"{text}static const struct pk_vector {stem}_of = {{\n{filled(members)}}};\n\n"
-
-    def chunk(self, of: Kernel) -> int:
-        values = sum(len(terms.nodes) for terms in of.of(2))
-        return max(FEWEST, min(BLOCK, MOST_ROOM // max(1, values) // FEWEST * FEWEST))
 
     def width(self, of: Vector) -> int:
         """Returns the length of a row of the buffer: members of a chunk and those before them."""
         low, high = reach(of)
-        return self.chunk(of) + high - low
+        return chunk_of(of) + high - low
 
     def room(self, of: Vector) -> int:
         """Returns the length of the buffer of a vector's terms."""
@@ -230,7 +234,7 @@ class KernelText:
         return f"{text}static const struct pk_matrix {stem}_{end}of = {{\n{filled(members)}}};\n\n"
 
     def chunk_of_matrix(self, of: Kernel) -> int:
-        return max(FEWEST, min(BLOCK, MOST_ROOM // of.most // FEWEST * FEWEST))
+        return members_in(of.most)
 
     def room_of_matrix(self, of: Kernel) -> int:
         return of.most * self.chunk_of_matrix(of)

@@ -40,7 +40,7 @@ def _bound(x: LoopExpander, assembler: Assembler, item: Constraint, key: str) ->
         found = terms(x, item.value, loop)
         if any(len(term.ranges) > 1 for term in found):
             raise Unrolled(f"a sum over two indices stands in '{item.name}'")
-        bodies = assembler.bodies((term, 1) for term in found)
+        bodies = assembler.bodies(found)
     else:
         bodies = (_of_each(x, assembler, item, lo, hi, loop),)
     row = (key, None if single else M)

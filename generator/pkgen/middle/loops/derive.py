@@ -12,7 +12,7 @@ from ..quantities import indexed, refuse_constant
 from .constraint_rows import bound_of
 from .expand import LoopExpander
 from .facts import facts_of
-from .indexed_ir import Addend, Carried, Sum, Unrolled, merged, nodes_of, of_name
+from .indexed_ir import Addend, Carried, Over, Slot, Sum, Unrolled, merged, nodes_of, of_name
 from .indices import size_values
 from .loops import Limit, LoopEquations
 from .recurrences import by_places, carried_of, inert
@@ -47,14 +47,14 @@ def _derive(x: LoopExpander) -> LoopEquations:
     model, assembler = x.model, Assembler(x)
     _check_kept(x)
     kinetic, potential, stated = (
-        assembler.bodies((term, 1) for expr in getattr(model, kind) for term in terms(x, expr))
+        assembler.bodies(term for expr in getattr(model, kind) for term in terms(x, expr))
         for kind in ("kinetic", "potential", "lagrangian")
     )
     negative = tuple(Addend(body.over, x.graph.negate(body.node)) for body in potential)
     lagrangian = merged((*kinetic, *negative, *stated), x.graph)
     assembler.lagrangian(lagrangian)
     for expr in model.dissipation:
-        assembler.dissipation(assembler.bodies((term, 1) for term in terms(x, expr)))
+        assembler.dissipation(assembler.bodies(terms(x, expr)))
     assembler.felt_through()
     _forces(x, assembler)
     _check_rates(x, assembler.quantity("force"))
@@ -159,22 +159,29 @@ def _forces(x: LoopExpander, assembler: Assembler) -> None:
             assembler.state(group)
 
 
-# The most scalars, and the most terms and given indices of single members, that C has room for.
-APART = 100
+# C has room for 256 of each: numbers that a term reads, of which Jacobians have more than L; values
+# that are added to single rows, of two outputs; scalars.
+MOST_READ, MOST_APART = 100, 100
 
 
 def _check_apart(x: LoopExpander, assembler: Assembler) -> None:
-    """Raises Unrolled if too many coordinates or terms are no part of what is summed up, or if a
+    """Raises Unrolled if there are too many scalars, single terms, or members in a term, or if a
     sum is added to a member other than those in it."""
+    vectors = [assembler.quantity(name) for name in ("momenta", "pdot", "force", "mass")]
+    singles = max(sum(not body.over for body in found) for found in vectors)
+    ends = sum(assembler.wraps.values()) + sum(len(g.ends) for g in x.coordinates.values())
     scalars = sum(not group.is_family for group in x.coordinates.values())
-    force = assembler.quantity("force")
-    singles = sum(not body.over for body in force) + sum(assembler.wraps.values())
-    if max(scalars, singles) > APART:
-        raise Unrolled(f"more than {APART} coordinates or terms are no part of a family or a sum")
-    for body in force:
+    rows = sum(item.range is None for item in x.model.constraints)
+    if max(scalars, rows, singles + 2 * ends) > MOST_APART:
+        raise Unrolled(f"more than {MOST_APART} coordinates, constraints or terms are single ones")
+    read: dict[Over, set[Slot]] = {}
+    for body in (body for found in vectors for body in found):
         at = body.to[0][1]
         if len(body.over) == 2 and at is not None and not (at - M).is_constant:
             raise Unrolled("a sum is added to a member far from its own")
+        read.setdefault(body.over, set()).update(x.slots.below(body.node))
+    if any(len(found) > MOST_READ for found in read.values()):
+        raise Unrolled(f"a term has more than {MOST_READ} members and parameters in it")
 
 
 def _check_rates(x: LoopExpander, force: Sum) -> None:

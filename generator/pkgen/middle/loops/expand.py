@@ -71,7 +71,7 @@ class LoopExpander(Indices):
         # Maps the names of momenta, which only outputs may use, to their coordinates.
         self.momenta: dict[str, Group] = {}
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
-        # The object that converts sums inside expressions. Gather (rows.py) sets it.
+        # The object that converts sums inside expressions. Assembler (rows.py) sets it.
         self.totals: Totals | None = None
         # The object that converts `let` definitions that only outputs use. Outputs (statements.py)
         # sets it.

@@ -22,7 +22,6 @@ STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
 RATES = BIT[Kind.RATE]
 ATTITUDES = BIT[Kind.STATE]
 APPLIED = ("pdot", "force")  # the quantities to which a generalized force is added
-Signed = tuple[Term, int]  # A term and its sign, 1 or -1.
 
 
 class Assembler:
@@ -54,11 +53,11 @@ class Assembler:
 
     # -- bodies -------------------------------------------------------------------------------
 
-    def bodies(self, found: Iterable[Signed]) -> Sum:
+    def bodies(self, found: Iterable[Term]) -> Sum:
         """Returns the bodies of terms. Those with the same range are added up."""
-        return merged([self._body(term, sign) for term, sign in found], self.g)
+        return merged([self._body(term) for term in found], self.g)
 
-    def _body(self, term: Term, sign: int = 1) -> Addend:
+    def _body(self, term: Term) -> Addend:
         """Returns the body of a term at i = m, or i = m and j. Records the conditions on sizes
         under which its members exist."""
         over = over_of(term)
@@ -67,7 +66,7 @@ class Assembler:
         if over:
             node = self.totals.throughout(node)
         self.reach(over, node)
-        return Addend(over, node if sign > 0 else self.g.negate(node))
+        return Addend(over, node)
 
     def reach(self, over: Over, node: Node) -> None:
         """Records the conditions on sizes under which all members in a body exist. Raises Unrolled

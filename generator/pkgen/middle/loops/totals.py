@@ -27,7 +27,7 @@ FIXED = ("param", "size", "index")
 class Assembler(Protocol):
     """Adds terms to the equations of motion. Assembler of rows.py implements this protocol."""
 
-    def bodies(self, found: Iterable[tuple[Term, int]]) -> Sum: ...
+    def bodies(self, found: Iterable[Term]) -> Sum: ...
     def of_total(self, body: Addend, factor: Node, drag: bool) -> None: ...
 
 
@@ -55,7 +55,7 @@ class Totals:
             raise Unrolled("a sum over what depends on the index stands inside a function")
         # Members that are used while the total is made are not added to the record of members.
         met, self.x.members = self.x.members, []
-        total = self.assembler.bodies((term, 1) for term in found)
+        total = self.assembler.bodies(found)
         self.x.members = met
         return self.node(total)
 
