@@ -6,15 +6,16 @@
  */
 #include "fput.h"
 
-/* Sums of terms over the members of families, such as sum(f(q[i], q[i+1]), i = 0..N): the values of
- * kernels, for every length of the families.
+/* Sums of terms over the members of families, such as sum(f(q[i], q[i+1]), i = 0..N): the values
+ * of kernels, for every length of the families.
  *
- * A model has a function for each term, which computes its values for n successive members at once.
- * Tables say what it reads (struct pk_slot), over which members it runs (struct pk_terms), and to
- * what its values are added. A scalar is a family of one member, whose index is 0. An index beyond
- * the ends of a family stands for a member (a free or periodic end) or has a given value.
+ * * A model has a function for each term, which computes its values for n successive members at
+ * once. Tables say what it reads (struct pk_slot), over which members it runs (struct pk_terms),
+ * and to what its values are added. A scalar is a family of one member, whose index is 0. An
+ * index beyond the ends of a family stands for a member (a free or periodic end) or has a given
+ * value.
  *
- * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+ * * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_MEMBERS_H
 #define PK_MEMBERS_H
 
@@ -27,9 +28,9 @@
 #define PK_MOST_SLOTS 256 /* what terms read, and their values */
 #define PK_LANES_IN_A_ROW 64
 
-/* What stands beyond the ends of a family: a ring of its own members, or copies of the last member
- * for so many indices. Its range is in the array `at`: the number of its first member in arrays,
- * its least and its greatest index. */
+/* The ends of a family. A ring continues with its own members. A free end repeats the last
+ * member, for so many indices. Its range is in the array `at`: the number of its first member in
+ * arrays, its least and its greatest index. */
 struct pk_family {
     int ring, free_below, free_above;
 };
@@ -60,8 +61,8 @@ struct pk_members {
 };
 
 /* A number that terms read: the member with index of_m * m + of_j * j + shift + at[extra] of a
- * family; `extra` is 0 if there is none. Where it is given it has the value of that order, or 0 if
- * the order is -1. */
+ * family; `extra` is 0 if there is none. A given member has no place in an array: given() returns
+ * its derivative of that order. The order -1 means 0. */
 struct pk_slot {
     enum pk_array array;
     int order, family, of_m, of_j;
@@ -69,10 +70,10 @@ struct pk_slot {
     int extra;
 };
 
-/* Terms with the indices m = at[over] .. at[over + 1]; those of pairs have j = at[over + 2] + first
- * * m .. at[over + 3] + last * m too. values() writes the values of n successive members, from m on
- * (of pairs: from j on) to o[0], o[1], ... It returns nonzero if they are invalid, since an angle
- * was too large; it is then called again with PK_CAREFULLY. */
+/* Terms with the indices m = at[over] .. at[over + 1]; those of pairs have j = at[over + 2] +
+ * first * m .. at[over + 3] + last * m too. values() writes the values of n successive members,
+ * from m on (of pairs: from j on) to o[0], o[1], ... It returns nonzero if they are invalid,
+ * since an angle was too large; it is then called again with PK_CAREFULLY. */
 typedef pk_bits pk_values(const struct pk_members *x, enum pk_pass pass, ptrdiff_t m, ptrdiff_t j,
                           ptrdiff_t n, const pk_real *const *s, pk_real *const *o);
 struct pk_terms {
@@ -180,7 +181,7 @@ PK_PERHAPS static void pk_one(const struct pk_members *x, const struct pk_terms 
         (void)of->values(x, PK_CAREFULLY, m, j, 1, s, to);
 }
 
-/* Narrows lo .. hi to those m at which the slot is a member itself: nothing is beyond an end. */
+/* Narrows lo .. hi to the m whose slot is an existing member. */
 PK_PERHAPS static void pk_inside(const struct pk_members *x, const struct pk_slot *of,
                                  ptrdiff_t *lo, ptrdiff_t *hi)
 {
@@ -228,12 +229,11 @@ PK_PERHAPS static void pk_evaluate(const struct pk_members *x, const struct pk_t
         pk_one(x, of, m, 0, m - from, o);
 }
 
-/* -- vectors ---------------------------------------------------------------------------------- */
+/* -- vectors --------------------------------------------------------------------------------- */
 
 /* The values of members of one family. rows() adds up what terms have for n successive members: e
- * are the values of terms, in rows of constant length, and may be read up to `most` numbers before
- * and `least` behind. raw() is the same before a division. Both return nonzero where a mass is not
- * positive. */
+ * points to row 0: rows() reads e[-most] to e[n - 1 - least] of each value. raw() does the same
+ * before a division. rows() returns nonzero where a mass is not positive. */
 typedef pk_bits pk_rows(const pk_real *e, ptrdiff_t n, pk_real *const *out);
 typedef void pk_kick_rows(const pk_real *e, ptrdiff_t n, pk_real kappa, pk_real delta, pk_real *q,
                           pk_real *v);
@@ -243,8 +243,8 @@ struct pk_row_set {
     pk_kick_rows *kick; /* v += kappa a, q += delta v; NULL: not there */
 };
 
-/* Value number `value` of terms, times `sign`, goes to an output: of a single term to the member
- * `to`, of others, summed up, to the scalar `to`; of pairs to the member m, j, or a scalar. */
+/* Adds sign * value number `value` of terms to one output. Single terms go to a member, sums to a
+ * scalar, pairs to the member m or j or to a scalar. */
 struct pk_goal {
     int terms, value, sign, output;
     struct pk_slot to;
@@ -270,12 +270,12 @@ struct pk_addition {
     pk_real value;
 };
 
-#define PK_MOST_ADDITIONS 256
+#define PK_MOST_ADDITIONS 1024
 #define PK_MOST_OUTPUTS 8
 #define PK_MOST_SCALARS 256
 
-/* Writes the values of all terms for the rows from .. from + n - 1: number r of member m to
- * e[r * width + most + m - from]. The first `known` ones are there already. */
+/* Writes the values of all terms for the rows from .. from + n - 1: value r of the terms at m
+ * goes to e[r * width + most + m - from]. The caller has kept the first `known` columns. */
 PK_PERHAPS static void pk_fill(const struct pk_members *x, const struct pk_vector *of,
                                ptrdiff_t from, ptrdiff_t n, ptrdiff_t known, pk_real *e)
 {
@@ -295,8 +295,11 @@ PK_PERHAPS static void pk_fill(const struct pk_members *x, const struct pk_vecto
             for (m = hi; m < end; m++)
                 o[r][m - lo] = 0;
         }
-        if (lo < hi)
-            pk_evaluate(x, terms, lo, hi, o);
+        for (m = lo; m < hi; m += PK_BLOCK) {
+            pk_evaluate(x, terms, m, pk_least(hi, m + PK_BLOCK), o);
+            for (r = 0; r < terms->n_values; r++)
+                o[r] += PK_BLOCK;
+        }
         done += terms->n_values;
     }
 }
@@ -314,8 +317,8 @@ PK_PERHAPS static void pk_raw_row(const struct pk_members *x, const struct pk_ve
     (void)set->raw(e + of->most, 1, out);
 }
 
-/* Finds what single terms and members beyond the ends add to the rows begin .. end - 1, and to
- * scalars. */
+/* Lists what is added to the rows begin .. end - 1, and to scalars, apart from sums: single
+ * terms, and rows beyond an end, which are added to the members that they stand for. */
 PK_PERHAPS static int pk_additions(const struct pk_members *x, const struct pk_vector *of,
                                    pk_real *e, struct pk_addition *found, pk_real *scalars,
                                    ptrdiff_t begin, ptrdiff_t end)
@@ -404,8 +407,8 @@ PK_PERHAPS static pk_real pk_whole(const pk_real *s)
     return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
 }
 
-/* Computes the rows from .. to - 1 of a set, whose values of terms are e (see pk_fill), into out[k]
- * + 0, 1, ... */
+/* Computes the rows from .. to - 1 of a set, whose values of terms are e (see pk_fill), into
+ * out[k] + 0, 1, ... */
 PK_PERHAPS static pk_bits pk_some_rows(const struct pk_vector *of, const struct pk_row_set *set,
                                        ptrdiff_t from, ptrdiff_t to, const pk_real *e,
                                        const struct pk_addition *added, int n_added,
@@ -441,8 +444,8 @@ PK_PERHAPS static pk_bits pk_some_rows(const struct pk_vector *of, const struct 
     return bad;
 }
 
-/* Computes a vector of all members; e has room for n_values * width numbers. Returns nonzero where
- * a mass is not positive. With `v` the vector is an acceleration a, and v += h a. */
+/* Computes a vector of all members; e has room for n_values * width numbers. Returns nonzero
+ * where a mass is not positive. With `v` the vector is an acceleration a, and v += h a. */
 PK_PERHAPS static pk_bits pk_compute(const struct pk_members *x, const struct pk_vector *of,
                                      pk_real *e, pk_real *const *out, pk_real *v, pk_real h)
 {
@@ -516,7 +519,7 @@ PK_PERHAPS static pk_bits pk_compute(const struct pk_members *x, const struct pk
     return bad;
 }
 
-/* -- pairs, totals, values of each member ------------------------------------------------------ */
+/* -- totals ---------------------------------------------------------------------------------- */
 
 /* Returns how many pairs the member m has, and the least index *j of its partners. */
 PK_PERHAPS static ptrdiff_t pk_partners(const struct pk_members *x, const struct pk_terms *of,
@@ -544,44 +547,6 @@ PK_PERHAPS static void pk_evaluate_pairs(const struct pk_members *x, const struc
         (void)of->values(x, PK_CAREFULLY, m, j, n, s, o);
 }
 
-/* Adds the values of pairs to a vector; e has room for those of one term, PK_BLOCK pairs each. */
-PK_PERHAPS static void pk_add_pairs(const struct pk_members *x, const struct pk_vector *of,
-                                    pk_real *e, pk_real *const *out)
-{
-    pk_real *o[PK_MOST_SLOTS];
-    int g, k, first, next = 0;
-
-    for (k = 0; k < PK_MOST_SLOTS; k++)
-        o[k] = e + k * PK_BLOCK;
-    for (g = 0; g < of->n_pairs; g++) {
-        const struct pk_terms *terms = of->pairs + g;
-        ptrdiff_t m, j, n, left, c;
-        first = next;
-        for (m = x->at[terms->over]; m <= x->at[terms->over + 1]; m++)
-            for (left = pk_partners(x, terms, m, &j); left > 0; left -= n, j += n) {
-                n = pk_least(left, PK_BLOCK);
-                pk_evaluate_pairs(x, terms, m, j, n, o);
-                for (next = first; next < of->n_goals[2] && of->goals[2][next].terms == g; next++) {
-                    const struct pk_goal *goal = of->goals[2] + next;
-                    const ptrdiff_t *range = pk_range_of_family(x, goal->to.family);
-                    pk_real *to = out[goal->output] + range[0] + pk_index(x, &goal->to, m, j) -
-                                  range[1];
-                    const pk_real *from = o[goal->value];
-                    pk_real eight[8] = {0};
-                    if (goal->to.of_j) {
-                        for (c = 0; c < n; c++)
-                            to[c] += (pk_real)goal->sign * from[c];
-                    } else {
-                        pk_add_up(from, n, (pk_real)goal->sign, eight);
-                        *to += pk_whole(eight);
-                    }
-                }
-            }
-        while (next < of->n_goals[2] && of->goals[2][next].terms == g)
-            next++;
-    }
-}
-
 /* The sum of all values of some terms, with one value each; e has room for PK_BLOCK numbers. */
 PK_PERHAPS static pk_real pk_total(const struct pk_members *x, const struct pk_terms *of, int count,
                                    pk_real *e)
@@ -604,82 +569,6 @@ PK_PERHAPS static pk_real pk_total(const struct pk_members *x, const struct pk_t
             }
         }
     return pk_whole(eight);
-}
-
-/* Writes the values of some terms, each with one for each member or pair, one behind the other.
- * With `out` NULL it only counts them. */
-PK_PERHAPS static size_t pk_list(const struct pk_members *x, const struct pk_terms *of, int count,
-                                 pk_real *out)
-{
-    size_t found = 0;
-    ptrdiff_t m, j, n, left;
-
-    for (; count-- > 0; of++)
-        for (m = x->at[of->over]; m <= x->at[of->over + 1]; m += of->pairs ? 1 : n) {
-            pk_real *to = out ? out + found : NULL;
-            n = pk_least(PK_BLOCK, x->at[of->over + 1] + 1 - m);
-            if (!of->pairs) {
-                if (out)
-                    pk_evaluate(x, of, m, m + n, &to);
-                found += (size_t)n;
-                continue;
-            }
-            for (left = pk_partners(x, of, m, &j); left > 0; left -= n, j += n) {
-                n = pk_least(left, PK_BLOCK);
-                to = out ? out + found : NULL;
-                if (out)
-                    pk_evaluate_pairs(x, of, m, j, n, &to);
-                found += (size_t)n;
-            }
-        }
-    return found;
-}
-
-/* Which member, or pair, value number k of pk_list() is of. */
-PK_PERHAPS static void pk_listed(const struct pk_members *x, const struct pk_terms *of, size_t k,
-                                 ptrdiff_t *i, ptrdiff_t *j)
-{
-    const size_t count = (size_t)pk_most(0, x->at[of->over + 1] + 1 - x->at[of->over]);
-
-    *j = 0;
-    *i = x->at[of->over] + (ptrdiff_t)k;
-    for (*i = x->at[of->over]; of->pairs; ++*i) {
-        const size_t n = (size_t)pk_partners(x, of, *i, j);
-        if (k < n) {
-            *j += (ptrdiff_t)k;
-            return;
-        }
-        k -= n;
-    }
-    *i += (ptrdiff_t)(k < count ? k : count);
-}
-
-/* Writes the values of sequences, from the first member to the last. to[g][r] is where value r of
- * the first member of terms g goes; others follow. With `mutual` terms read what others have for
- * members before, so that all go on together. */
-PK_PERHAPS static void pk_run_along(const struct pk_members *x, const struct pk_terms *of,
-                                    int count, pk_real *const *const *to, int mutual)
-{
-    pk_real *o[PK_MOST_SLOTS];
-    ptrdiff_t lo = PTRDIFF_MAX, hi = PTRDIFF_MIN, from, m, n;
-    int g, r;
-
-    for (g = 0; g < count; g++) {
-        lo = pk_least(lo, x->at[of[g].over]);
-        hi = pk_most(hi, x->at[of[g].over + 1]);
-    }
-    for (from = lo; from <= hi; from = mutual ? from + 1 : hi + 1)
-        for (g = 0; g < count; g++) {
-            const ptrdiff_t first = x->at[of[g].over];
-            const ptrdiff_t last = mutual ? pk_least(from, x->at[of[g].over + 1])
-                                          : x->at[of[g].over + 1];
-            for (m = pk_most(first, from); m <= last; m += n) {
-                n = pk_least(PK_BLOCK, last + 1 - m);
-                for (r = 0; r < of[g].n_values; r++)
-                    o[r] = to[g][r] + (m - first);
-                pk_evaluate(x, of + g, m, m + n, o);
-            }
-        }
 }
 
 #endif
@@ -839,23 +728,24 @@ PK_INLINE static void pk_ldl_substitute(const struct pk_ldl *A, pk_real *x)
 
 #endif
 
-/* Matrices of models with families: a band with a border of dense rows, to which terms add entries.
+/* Matrices of models with families: a band with a border of dense rows, to which terms add
+ * entries.
  *
- * The unknowns of the band are ordered by index: at each index the members of all families, then
- * one row of every family of constraints, which belongs to the largest index of a coordinate in it.
- * The factorization L D L^T of K = [M J^T; J 0] then needs no pivoting: each leading block of K is
- * regular if the rows are independent. Behind the band come rows that reach around the end of a
- * ring, then scalar coordinates and single rows.
+ * * The unknowns of the band are ordered by index: at each index the members of all families,
+ * then one row of every family of constraints, which belongs to the largest index of a coordinate
+ * in it. The factorization L D L^T of K = [M J^T; J 0] then needs no pivoting: each leading block
+ * of K is regular if the rows are independent. Behind the band come rows that reach around the
+ * end of a ring, then scalar coordinates and single rows.
  *
- * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+ * * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_MEMBERS_BAND_H
 #define PK_MEMBERS_BAND_H
 
 /* Kinds of unknowns: coordinates, rows of constraints, other unknowns, and places that are none. */
 enum pk_unknown_kind { PK_COORDINATE, PK_ROW, PK_OTHER, PK_NONE };
 
-/* Unknowns of a family, at index i in place i + ahead; rows with an index below one of at[wraps],
- * ... (n_wraps of them), which reach around the end of a ring, lie behind all others. */
+/* Unknowns of a family: that of index i lies at i + ahead. Rows with an index below one of
+ * at[wraps], ... (n_wraps of them) reach around the end of a ring and lie behind all others. */
 struct pk_unknown {
     enum pk_unknown_kind kind;
     int family;
@@ -869,7 +759,7 @@ struct pk_layout {
     const struct pk_unknown *unknowns;
     int slots, border;
     ptrdiff_t width;
-    int spares;  /* the last of the border, which stand for rows that scalars alone make regular */
+    int spares; /* the last of the border: for rows whose pivot is 0 until scalars are eliminated */
     int carried; /* whether unknowns of kind PK_NONE are rows that define others */
 };
 
@@ -964,8 +854,8 @@ PK_INLINE static void pk_walk_on(const struct pk_places *p, struct pk_walk *at)
     }
 }
 
-/* What is in a place: the number of a coordinate; -2 - k for row k of constraints; -2 for another
- * unknown, or -1 for none. */
+/* Returns the number of the coordinate in a place; -2 - k for row k of constraints (in K); -2 for
+ * another unknown (in Jacobians); -1 for none. */
 PK_INLINE static ptrdiff_t pk_there(const struct pk_members *x, const struct pk_places *p,
                                     struct pk_walk at)
 {
@@ -993,7 +883,7 @@ PK_PERHAPS static ptrdiff_t pk_in_place(const struct pk_members *x, const struct
     return pk_there(x, p, pk_walk_at(p, i));
 }
 
-/* -- entries ---------------------------------------------------------------------------------- */
+/* -- entries --------------------------------------------------------------------------------- */
 
 /* A row or column: an unknown of the layout, at index of_m * m + shift + at[extra]. */
 struct pk_cell {
@@ -1015,9 +905,8 @@ struct pk_matrix {
     ptrdiff_t chunk;
 };
 
-/* What is done with entries of M or J: they are added to the lower triangle of K, or those of J in
- * both triangles, once; to the diagonal of M by coordinates; |J| x and J^T x are added to out; or
- * they are added to the bands of `matrices` (struct pk_pattern). */
+/* Uses of the entries of M or J: M to the lower triangle of K; J to K; the diagonal of M by
+ * coordinates; |J| x and J^T x, added to out; the bands of `matrices` (struct pk_pattern). */
 enum pk_use { PK_TO_M, PK_TO_K, PK_TO_DIAGONAL, PK_TO_SIZES, PK_TO_PULL, PK_TO_BANDS };
 struct pk_into {
     enum pk_use use;
@@ -1062,8 +951,8 @@ PK_PERHAPS static void pk_to_band(const struct pk_places *p, pk_real *A, ptrdiff
         A[right + (2 * rows + i - rows) * border + j - rows] += x;
 }
 
-/* Narrows the members m + lo .. m + hi - 1 to those at which a cell is a member itself, in the band;
- * *place is its place at m, and steps by the slots. */
+/* Narrows the members m + lo .. m + hi - 1 to those at which a cell is a member itself, in the
+ * band; *place is its place at m, and steps by the slots. */
 PK_PERHAPS static void pk_straight(const struct pk_members *x, const struct pk_places *p,
                                    const struct pk_cell *of, ptrdiff_t m, ptrdiff_t *lo,
                                    ptrdiff_t *hi, ptrdiff_t *place)
@@ -1164,7 +1053,7 @@ PK_PERHAPS static void pk_scatter(const struct pk_members *x, const struct pk_pl
     }
 }
 
-/* -- M and K ---------------------------------------------------------------------------------- */
+/* -- M and K --------------------------------------------------------------------------------- */
 
 PK_PERHAPS static size_t pk_matrix_size(const struct pk_places *p)
 {
@@ -1227,8 +1116,7 @@ PK_PERHAPS static void pk_tie(const struct pk_members *x, const struct pk_places
     pk_scatter(x, p, J, e, &to);
 }
 
-/* What scalar coordinates add to J M^-1 J^T of a row that lies before them, where only they have
- * that inertia. */
+/* Returns the sum of J_k^2 / M_k over the scalars k of row i. */
 PK_PERHAPS static pk_real pk_by_scalars(const struct pk_members *x, const struct pk_places *p,
                                         const struct pk_ldl *A, ptrdiff_t i)
 {
@@ -1243,8 +1131,8 @@ PK_PERHAPS static pk_real pk_by_scalars(const struct pk_members *x, const struct
     return sum;
 }
 
-/* The coordinate to name for an unknown that may be carried: one at its place, or the last before
- * it. Coordinates are numbered before carried values, from `count` on. */
+/* Returns the coordinate that an error message names for place i: one at its index, or the last
+ * before it. Coordinates are numbered before carried values, from `count` on. */
 PK_PERHAPS static ptrdiff_t pk_moved(const struct pk_members *x, const struct pk_places *p,
                                      ptrdiff_t count, ptrdiff_t i)
 {
@@ -1275,14 +1163,14 @@ PK_PERHAPS static pk_real pk_norm(const struct pk_members *x, const struct pk_pl
     return sum;
 }
 
-/* Factors K = L D L^T in place. Returns 0, or the failure of a pivot that is not positive, or of a
- * row of constraints not negative. `count` is the number of coordinates. Writes the pivots of rows,
- * and what these are without other rows, unless both are NULL.
+/* Factors K = L D L^T in place. Returns 0, or the failure of a pivot that is not positive, or of
+ * a row of constraints not negative. `count` is the number of coordinates. Writes the pivots of
+ * rows, and what these are without other rows, unless both are NULL.
  *
- * A row may be regular by a scalar coordinate alone, which comes behind it: its pivot d, all but 0,
- * becomes d - s then, and z with s x - s z = 0 is one more unknown, behind all: what K x lacks is s
- * z. The pivot of z is -s t / (s + t), where t is the row's own behind all others. `spared` has the
- * place of the row for each such z. */
+ * * A row may be regular by a scalar coordinate alone, which comes behind it. Its pivot d, about
+ * 0, is lowered by s. One more unknown z, behind all others, restores s: its equation is s x = s
+ * z. The pivot of z is -s t / (s + t), where t is the row's own behind all others. `spared` has
+ * the place of the row for each such z. */
 PK_PERHAPS static int pk_factored(const struct pk_members *x, const struct pk_places *p,
                                   ptrdiff_t count, pk_real *K, pk_real *spared, pk_real *pivots,
                                   pk_real *norms)
@@ -1407,10 +1295,10 @@ PK_PERHAPS static void pk_pivots(const struct pk_members *x, const struct pk_pla
     }
 }
 
-/* -- Jacobians -------------------------------------------------------------------------------- */
+/* -- Jacobians ------------------------------------------------------------------------------- */
 
-/* Writes matrices in bands, with 1 on the diagonal of the first where no unknown is, or with
- * `only_rates` where no coordinate is. */
+/* Writes matrices in bands. With `ones` the diagonal of the first is 1 where no unknown is; with
+ * ones > 1 wherever no coordinate is. */
 PK_PERHAPS static void pk_bands(const struct pk_members *x, const struct pk_places *p,
                                 const struct pk_matrix *of, pk_real *e, int ones, int n, pk_real *a,
                                 pk_real *b, pk_real *c)
@@ -1437,10 +1325,10 @@ PK_PERHAPS static void pk_bands(const struct pk_members *x, const struct pk_plac
 
 #endif
 
-/* Steps of splitting methods with the accelerations of members: kicks v += h a and drifts q += h v.
- * Sums are not compensated.
+/* Steps of splitting methods with the accelerations of members: kicks v += h a and drifts q += h
+ * v. Sums are not compensated.
  *
- * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+ * * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_MEMBERS_STEPS_H
 #define PK_MEMBERS_STEPS_H
 
@@ -1487,8 +1375,8 @@ PK_PERHAPS static void pk_stage(const struct pk_members *x, const struct pk_vect
             carried[i * h + k] = e[i * of->width + (to - from) + k];
 }
 
-/* One pass over memory: `count` stages, each a kick by kappa[s] at time[s] and a drift by delta[s].
- * Each begins where the one before it has drifted, `lag` members behind that one's end. */
+/* One pass over memory: `count` stages, each a kick by kappa[s] at time[s] and a drift by
+ * delta[s]. Stage s follows stage s - 1 at a distance of `lag` rows. */
 PK_PERHAPS static void pk_one_pass(struct pk_members *x, const struct pk_vector *of, pk_real *e,
                                    ptrdiff_t lag, int count, const pk_real *time,
                                    const pk_real *delta, const pk_real *kappa, pk_real *q,
@@ -1512,7 +1400,9 @@ PK_PERHAPS static void pk_one_pass(struct pk_members *x, const struct pk_vector 
             const ptrdiff_t to = pk_least(ahead, end);
             ptrdiff_t from = done[s];
             if (to < end && end - to < lag && to - from > lag)
-                continue; /* the last rows go together, since terms beyond the end read them */
+                /* The last `lag` rows are made in one call: rows beyond the end read them before
+                 * they drift. */
+                continue;
             x->t = time[s];
             for (; from < to; from = done[s]) {
                 done[s] = pk_least(to, from + of->chunk);
@@ -1524,8 +1414,8 @@ PK_PERHAPS static void pk_one_pass(struct pk_members *x, const struct pk_vector 
         }
 }
 
-/* A kick and a drift of a ring: first are kicked, before anything drifts, `trail` rows at each end,
- * whose terms reach around it. */
+/* A kick and a drift of a ring. The `trail` rows at both ends, whose terms reach around it, are
+ * kicked first and drift last. */
 PK_PERHAPS static void pk_around(const struct pk_members *x, const struct pk_vector *of, pk_real *e,
                                  ptrdiff_t trail, pk_real kappa, pk_real delta, pk_real *q,
                                  pk_real *v)
@@ -1552,11 +1442,12 @@ PK_PERHAPS static void pk_around(const struct pk_members *x, const struct pk_vec
     }
 }
 
-/* Makes `steps` steps of h from time t, in place: kicks v += kick[i] h a(q, t) for i = 0 .. stages,
- * and drifts q += drift[i] h v between them. The last kick of a step and the first of the next are
- * one. e has the room that two of pk_compute() need; n is the number of coordinates. With a lag,
- * terms of rows from m on read no rows before m, and none m + lag or further; the stages of several
- * steps are then made in one pass over memory. Rings of equal length have minus this lag. */
+/* Makes `steps` steps of h from time t, in place: kicks v += kick[i] h a(q, t) for i = 0 ..
+ * stages, and drifts q += drift[i] h v between them. The last kick of a step and the first of the
+ * next are one. e has the room that two of pk_compute() need; n is the number of coordinates.
+ * With a lag, terms of rows from m on read no rows before m, and none m + lag or further; the
+ * stages of several steps are then made in one pass over memory. Rings of equal length have minus
+ * this lag. */
 PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_vector *of, pk_real *e,
                                   ptrdiff_t lag, int stages, const pk_real *kick,
                                   const pk_real *drift, pk_real t, pk_real h, unsigned long steps,
@@ -1734,30 +1625,6 @@ static pk_real fput_given(const struct pk_members *x, int family, int order, ptr
     const pk_real t = x->t, *const u = x->u;
 
     (void)p, (void)t, (void)u, (void)family, (void)order, (void)i;
-    if (family == 0 && i == 0)
-        switch (order) {
-        case 0: {
-            return 0;
-        }
-        case 1: {
-            return 0;
-        }
-        default: {
-            return 0;
-        }
-        }
-    if (family == 0 && i == p->N + 1)
-        switch (order) {
-        case 0: {
-            return 0;
-        }
-        case 1: {
-            return 0;
-        }
-        default: {
-            return 0;
-        }
-        }
     return 0;
 }
 
@@ -1805,23 +1672,9 @@ PK_TERMS(fput_canonical_0)
 
 static const struct pk_slot fput_canonical_0_reads[1] = {
     {PK_OF_V, 1, 0, 1, 0, 0, 0}};
-PK_TERM(fput_canonical_1)
-{
-    const struct fput_params *const p = (const struct fput_params *)x->params;
-
-    const pk_real q_ = s[0][k];
-    const pk_real q_p1 = s[1][k];
-    const pk_real q_p1_minus_q_ = q_p1 - q_;
-    o[0][k] = p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
-    return 0;
-}
-PK_TERMS(fput_canonical_1)
-
-static const struct pk_slot fput_canonical_1_reads[2] = {
-    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
 static const struct pk_terms fput_canonical_terms[2] = {
-    {fput_canonical_0, fput_canonical_0_reads, 1, 1, 5, 0, 0, 0}, {fput_canonical_1,
-    fput_canonical_1_reads, 2, 1, 3, 0, 0, 0}};
+    {fput_canonical_0, fput_canonical_0_reads, 1, 1, 5, 0, 0, 0}, {fput_force_0,
+    fput_force_0_reads, 2, 1, 3, 0, 0, 0}};
 
 static pk_bits fput_canonical_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
 {
@@ -1841,18 +1694,8 @@ static const struct pk_vector fput_canonical_of = {
     fput_canonical_terms, NULL, NULL, 2, 0, 0, 2, 1, 0, {0, 0, 0}, fput_canonical_sets, NULL,
     {NULL, NULL, NULL}, PK_STORE, 2, 512, 0, 1, 513};
 
-PK_TERM(fput_momenta_0)
-{
-    const pk_real q_dot = s[0][k];
-    o[0][k] = q_dot;
-    return 0;
-}
-PK_TERMS(fput_momenta_0)
-
-static const struct pk_slot fput_momenta_0_reads[1] = {
-    {PK_OF_V, 1, 0, 1, 0, 0, 0}};
 static const struct pk_terms fput_momenta_terms[1] = {
-    {fput_momenta_0, fput_momenta_0_reads, 1, 1, 5, 0, 0, 0}};
+    {fput_canonical_0, fput_canonical_0_reads, 1, 1, 5, 0, 0, 0}};
 
 static pk_bits fput_momenta_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
 {
@@ -1871,22 +1714,8 @@ static const struct pk_vector fput_momenta_of = {
     fput_momenta_terms, NULL, NULL, 1, 0, 0, 1, 1, 0, {0, 0, 0}, fput_momenta_sets, NULL, {NULL,
     NULL, NULL}, PK_STORE, 1, 512, 0, 0, 512};
 
-PK_TERM(fput_gradient_0)
-{
-    const struct fput_params *const p = (const struct fput_params *)x->params;
-
-    const pk_real q_ = s[0][k];
-    const pk_real q_p1 = s[1][k];
-    const pk_real q_p1_minus_q_ = q_p1 - q_;
-    o[0][k] = p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
-    return 0;
-}
-PK_TERMS(fput_gradient_0)
-
-static const struct pk_slot fput_gradient_0_reads[2] = {
-    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
 static const struct pk_terms fput_gradient_terms[1] = {
-    {fput_gradient_0, fput_gradient_0_reads, 2, 1, 3, 0, 0, 0}};
+    {fput_force_0, fput_force_0_reads, 2, 1, 3, 0, 0, 0}};
 
 static pk_bits fput_gradient_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
 {
@@ -1905,49 +1734,8 @@ static const struct pk_vector fput_gradient_of = {
     fput_gradient_terms, NULL, NULL, 1, 0, 0, 1, 1, 0, {0, 0, 0}, fput_gradient_sets, NULL, {NULL,
     NULL, NULL}, PK_STORE, 1, 512, 0, 1, 513};
 
-PK_TERM(fput_mass_0)
-{
-    o[0][k] = 1;
-    return 0;
-}
-PK_TERMS(fput_mass_0)
-
-static const struct pk_terms fput_mass_terms[1] = {
-    {fput_mass_0, NULL, 0, 1, 5, 0, 0, 0}};
-
-static pk_bits fput_mass_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
-{
-    ptrdiff_t k;
-
-    PK_LANE_LOOP
-    for (k = 0; k < n; k++) {
-        out[0][k] = e[k];
-    }
-    return 0;
-}
-
-static const struct pk_row_set fput_mass_sets[1] = {
-    {0, 0, 0, fput_mass_q, fput_mass_q, NULL}};
-static const struct pk_vector fput_mass_of = {
-    fput_mass_terms, NULL, NULL, 1, 0, 0, 1, 1, 0, {0, 0, 0}, fput_mass_sets, NULL, {NULL, NULL,
-    NULL}, PK_STORE, 1, 512, 0, 0, 512};
-
-PK_TERM(fput_acceleration_0)
-{
-    const struct fput_params *const p = (const struct fput_params *)x->params;
-
-    const pk_real q_ = s[0][k];
-    const pk_real q_p1 = s[1][k];
-    const pk_real q_p1_minus_q_ = q_p1 - q_;
-    o[0][k] = p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
-    return 0;
-}
-PK_TERMS(fput_acceleration_0)
-
-static const struct pk_slot fput_acceleration_0_reads[2] = {
-    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
 static const struct pk_terms fput_acceleration_terms[1] = {
-    {fput_acceleration_0, fput_acceleration_0_reads, 2, 1, 3, 0, 0, 0}};
+    {fput_force_0, fput_force_0_reads, 2, 1, 3, 0, 0, 0}};
 
 static pk_bits fput_acceleration_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
 {
@@ -1978,15 +1766,35 @@ static const struct pk_vector fput_acceleration_of = {
     fput_acceleration_terms, NULL, NULL, 1, 0, 0, 1, 1, 0, {0, 0, 0}, fput_acceleration_sets,
     NULL, {NULL, NULL, NULL}, PK_STORE, 1, 512, 0, 1, 513};
 
-PK_TERM(fput_slopes_mass_0)
+PK_TERM(fput_mass_0)
 {
     o[0][k] = 1;
     return 0;
 }
-PK_TERMS(fput_slopes_mass_0)
+PK_TERMS(fput_mass_0)
+
+static const struct pk_terms fput_mass_terms[1] = {
+    {fput_mass_0, NULL, 0, 1, 5, 0, 0, 0}};
+
+static pk_bits fput_mass_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
+{
+    ptrdiff_t k;
+
+    PK_LANE_LOOP
+    for (k = 0; k < n; k++) {
+        out[0][k] = e[k];
+    }
+    return 0;
+}
+
+static const struct pk_row_set fput_mass_sets[1] = {
+    {0, 0, 0, fput_mass_q, fput_mass_q, NULL}};
+static const struct pk_vector fput_mass_of = {
+    fput_mass_terms, NULL, NULL, 1, 0, 0, 1, 1, 0, {0, 0, 0}, fput_mass_sets, NULL, {NULL, NULL,
+    NULL}, PK_STORE, 1, 512, 0, 0, 512};
 
 static const struct pk_terms fput_slopes_mass_terms[1] = {
-    {fput_slopes_mass_0, NULL, 0, 1, 5, 0, 0, 0}};
+    {fput_mass_0, NULL, 0, 1, 5, 0, 0, 0}};
 
 static const struct pk_entry fput_slopes_mass_entries[1] = {
     {0, 0, 1, 0, {0, 1, 0, 0}, {0, 1, 0, 0}}};
@@ -2045,16 +1853,6 @@ static const struct pk_terms fput_energy_terms[2] = {
     {fput_energy_0, fput_energy_0_reads, 1, 1, 5, 0, 0, 0}, {fput_energy_1, fput_energy_1_reads,
     2, 1, 3, 0, 0, 0}};
 
-PK_TERM(fput_lagrangian_0)
-{
-    const pk_real q_dot = s[0][k];
-    o[0][k] = PK_C(0.5) * q_dot * q_dot;
-    return 0;
-}
-PK_TERMS(fput_lagrangian_0)
-
-static const struct pk_slot fput_lagrangian_0_reads[1] = {
-    {PK_OF_V, 1, 0, 1, 0, 0, 0}};
 PK_TERM(fput_lagrangian_1)
 {
     const struct fput_params *const p = (const struct fput_params *)x->params;
@@ -2070,38 +1868,14 @@ PK_TERMS(fput_lagrangian_1)
 static const struct pk_slot fput_lagrangian_1_reads[2] = {
     {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
 static const struct pk_terms fput_lagrangian_terms[2] = {
-    {fput_lagrangian_0, fput_lagrangian_0_reads, 1, 1, 5, 0, 0, 0}, {fput_lagrangian_1,
+    {fput_energy_0, fput_energy_0_reads, 1, 1, 5, 0, 0, 0}, {fput_lagrangian_1,
     fput_lagrangian_1_reads, 2, 1, 3, 0, 0, 0}};
 
-PK_TERM(fput_kinetic_0)
-{
-    const pk_real q_dot = s[0][k];
-    o[0][k] = PK_C(0.5) * q_dot * q_dot;
-    return 0;
-}
-PK_TERMS(fput_kinetic_0)
-
-static const struct pk_slot fput_kinetic_0_reads[1] = {
-    {PK_OF_V, 1, 0, 1, 0, 0, 0}};
 static const struct pk_terms fput_kinetic_terms[1] = {
-    {fput_kinetic_0, fput_kinetic_0_reads, 1, 1, 5, 0, 0, 0}};
+    {fput_energy_0, fput_energy_0_reads, 1, 1, 5, 0, 0, 0}};
 
-PK_TERM(fput_potential_0)
-{
-    const struct fput_params *const p = (const struct fput_params *)x->params;
-
-    const pk_real q_ = s[0][k];
-    const pk_real q_p1 = s[1][k];
-    const pk_real q_p1_minus_q_ = q_p1 - q_;
-    o[0][k] = q_p1_minus_q_ * q_p1_minus_q_ * (PK_C(0.5) + p->c_[0] * q_p1_minus_q_);
-    return 0;
-}
-PK_TERMS(fput_potential_0)
-
-static const struct pk_slot fput_potential_0_reads[2] = {
-    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
 static const struct pk_terms fput_potential_terms[1] = {
-    {fput_potential_0, fput_potential_0_reads, 2, 1, 3, 0, 0, 0}};
+    {fput_energy_1, fput_energy_1_reads, 2, 1, 3, 0, 0, 0}};
 
 
 /* f = pdot - (dp/dq) v - dp/dt. */
@@ -2146,6 +1920,11 @@ void fput_gradient(const struct fput_params *p, pk_real t, const pk_real *q, con
         const struct pk_members x = fput_members(p, t, q, v, u);
         (void)pk_compute(&x, &fput_gradient_of, e, to, NULL, 0);
     }
+}
+
+size_t fput_mass_size(const struct fput_params *p)
+{
+    return fput_count(p);
 }
 
 void fput_mass(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,

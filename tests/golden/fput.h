@@ -36,8 +36,8 @@
  *   canonical: 4 operations: 1 +, 1 -, 2 * a member
  *   momenta: no operations a member
  *   gradient: 4 operations: 1 +, 1 -, 2 * a member
- *   mass: no operations a member
  *   acceleration: 4 operations: 1 +, 1 -, 2 * a member
+ *   mass: no operations a member
  *   energy: 7 operations: 1 +, 1 -, 5 * a member
  *   lagrangian: 8 operations: 1 +, 1 -, 5 *, 1 neg a member
  *   kinetic: 2 operations: 2 * a member

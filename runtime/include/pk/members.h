@@ -1,12 +1,13 @@
-/* Sums of terms over the members of families, such as sum(f(q[i], q[i+1]), i = 0..N): the values of
- * kernels, for every length of the families.
+/* Sums of terms over the members of families, such as sum(f(q[i], q[i+1]), i = 0..N): the values
+ * of kernels, for every length of the families.
  *
- * A model has a function for each term, which computes its values for n successive members at once.
- * Tables say what it reads (struct pk_slot), over which members it runs (struct pk_terms), and to
- * what its values are added. A scalar is a family of one member, whose index is 0. An index beyond
- * the ends of a family stands for a member (a free or periodic end) or has a given value.
+ * * A model has a function for each term, which computes its values for n successive members at
+ * once. Tables say what it reads (struct pk_slot), over which members it runs (struct pk_terms),
+ * and to what its values are added. A scalar is a family of one member, whose index is 0. An
+ * index beyond the ends of a family stands for a member (a free or periodic end) or has a given
+ * value.
  *
- * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+ * * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_MEMBERS_H
 #define PK_MEMBERS_H
 
@@ -19,9 +20,9 @@
 #define PK_MOST_SLOTS 256 /* what terms read, and their values */
 #define PK_LANES_IN_A_ROW 64
 
-/* What stands beyond the ends of a family: a ring of its own members, or copies of the last member
- * for so many indices. Its range is in the array `at`: the number of its first member in arrays,
- * its least and its greatest index. */
+/* The ends of a family. A ring continues with its own members. A free end repeats the last
+ * member, for so many indices. Its range is in the array `at`: the number of its first member in
+ * arrays, its least and its greatest index. */
 struct pk_family {
     int ring, free_below, free_above;
 };
@@ -52,8 +53,8 @@ struct pk_members {
 };
 
 /* A number that terms read: the member with index of_m * m + of_j * j + shift + at[extra] of a
- * family; `extra` is 0 if there is none. Where it is given it has the value of that order, or 0 if
- * the order is -1. */
+ * family; `extra` is 0 if there is none. A given member has no place in an array: given() returns
+ * its derivative of that order. The order -1 means 0. */
 struct pk_slot {
     enum pk_array array;
     int order, family, of_m, of_j;
@@ -61,10 +62,10 @@ struct pk_slot {
     int extra;
 };
 
-/* Terms with the indices m = at[over] .. at[over + 1]; those of pairs have j = at[over + 2] + first
- * * m .. at[over + 3] + last * m too. values() writes the values of n successive members, from m on
- * (of pairs: from j on) to o[0], o[1], ... It returns nonzero if they are invalid, since an angle
- * was too large; it is then called again with PK_CAREFULLY. */
+/* Terms with the indices m = at[over] .. at[over + 1]; those of pairs have j = at[over + 2] +
+ * first * m .. at[over + 3] + last * m too. values() writes the values of n successive members,
+ * from m on (of pairs: from j on) to o[0], o[1], ... It returns nonzero if they are invalid,
+ * since an angle was too large; it is then called again with PK_CAREFULLY. */
 typedef pk_bits pk_values(const struct pk_members *x, enum pk_pass pass, ptrdiff_t m, ptrdiff_t j,
                           ptrdiff_t n, const pk_real *const *s, pk_real *const *o);
 struct pk_terms {
@@ -172,7 +173,7 @@ PK_PERHAPS static void pk_one(const struct pk_members *x, const struct pk_terms 
         (void)of->values(x, PK_CAREFULLY, m, j, 1, s, to);
 }
 
-/* Narrows lo .. hi to those m at which the slot is a member itself: nothing is beyond an end. */
+/* Narrows lo .. hi to the m whose slot is an existing member. */
 PK_PERHAPS static void pk_inside(const struct pk_members *x, const struct pk_slot *of,
                                  ptrdiff_t *lo, ptrdiff_t *hi)
 {
@@ -220,12 +221,11 @@ PK_PERHAPS static void pk_evaluate(const struct pk_members *x, const struct pk_t
         pk_one(x, of, m, 0, m - from, o);
 }
 
-/* -- vectors ---------------------------------------------------------------------------------- */
+/* -- vectors --------------------------------------------------------------------------------- */
 
 /* The values of members of one family. rows() adds up what terms have for n successive members: e
- * are the values of terms, in rows of constant length, and may be read up to `most` numbers before
- * and `least` behind. raw() is the same before a division. Both return nonzero where a mass is not
- * positive. */
+ * points to row 0: rows() reads e[-most] to e[n - 1 - least] of each value. raw() does the same
+ * before a division. rows() returns nonzero where a mass is not positive. */
 typedef pk_bits pk_rows(const pk_real *e, ptrdiff_t n, pk_real *const *out);
 typedef void pk_kick_rows(const pk_real *e, ptrdiff_t n, pk_real kappa, pk_real delta, pk_real *q,
                           pk_real *v);
@@ -235,8 +235,8 @@ struct pk_row_set {
     pk_kick_rows *kick; /* v += kappa a, q += delta v; NULL: not there */
 };
 
-/* Value number `value` of terms, times `sign`, goes to an output: of a single term to the member
- * `to`, of others, summed up, to the scalar `to`; of pairs to the member m, j, or a scalar. */
+/* Adds sign * value number `value` of terms to one output. Single terms go to a member, sums to a
+ * scalar, pairs to the member m or j or to a scalar. */
 struct pk_goal {
     int terms, value, sign, output;
     struct pk_slot to;
@@ -262,12 +262,12 @@ struct pk_addition {
     pk_real value;
 };
 
-#define PK_MOST_ADDITIONS 256
+#define PK_MOST_ADDITIONS 1024
 #define PK_MOST_OUTPUTS 8
 #define PK_MOST_SCALARS 256
 
-/* Writes the values of all terms for the rows from .. from + n - 1: number r of member m to
- * e[r * width + most + m - from]. The first `known` ones are there already. */
+/* Writes the values of all terms for the rows from .. from + n - 1: value r of the terms at m
+ * goes to e[r * width + most + m - from]. The caller has kept the first `known` columns. */
 PK_PERHAPS static void pk_fill(const struct pk_members *x, const struct pk_vector *of,
                                ptrdiff_t from, ptrdiff_t n, ptrdiff_t known, pk_real *e)
 {
@@ -309,8 +309,8 @@ PK_PERHAPS static void pk_raw_row(const struct pk_members *x, const struct pk_ve
     (void)set->raw(e + of->most, 1, out);
 }
 
-/* Finds what single terms and members beyond the ends add to the rows begin .. end - 1, and to
- * scalars. */
+/* Lists what is added to the rows begin .. end - 1, and to scalars, apart from sums: single
+ * terms, and rows beyond an end, which are added to the members that they stand for. */
 PK_PERHAPS static int pk_additions(const struct pk_members *x, const struct pk_vector *of,
                                    pk_real *e, struct pk_addition *found, pk_real *scalars,
                                    ptrdiff_t begin, ptrdiff_t end)
@@ -399,8 +399,8 @@ PK_PERHAPS static pk_real pk_whole(const pk_real *s)
     return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
 }
 
-/* Computes the rows from .. to - 1 of a set, whose values of terms are e (see pk_fill), into out[k]
- * + 0, 1, ... */
+/* Computes the rows from .. to - 1 of a set, whose values of terms are e (see pk_fill), into
+ * out[k] + 0, 1, ... */
 PK_PERHAPS static pk_bits pk_some_rows(const struct pk_vector *of, const struct pk_row_set *set,
                                        ptrdiff_t from, ptrdiff_t to, const pk_real *e,
                                        const struct pk_addition *added, int n_added,
@@ -436,8 +436,8 @@ PK_PERHAPS static pk_bits pk_some_rows(const struct pk_vector *of, const struct 
     return bad;
 }
 
-/* Computes a vector of all members; e has room for n_values * width numbers. Returns nonzero where
- * a mass is not positive. With `v` the vector is an acceleration a, and v += h a. */
+/* Computes a vector of all members; e has room for n_values * width numbers. Returns nonzero
+ * where a mass is not positive. With `v` the vector is an acceleration a, and v += h a. */
 PK_PERHAPS static pk_bits pk_compute(const struct pk_members *x, const struct pk_vector *of,
                                      pk_real *e, pk_real *const *out, pk_real *v, pk_real h)
 {
@@ -511,7 +511,7 @@ PK_PERHAPS static pk_bits pk_compute(const struct pk_members *x, const struct pk
     return bad;
 }
 
-/* -- totals -------------------------------------------------------------------------------------- */
+/* -- totals ---------------------------------------------------------------------------------- */
 
 /* Returns how many pairs the member m has, and the least index *j of its partners. */
 PK_PERHAPS static ptrdiff_t pk_partners(const struct pk_members *x, const struct pk_terms *of,
@@ -563,7 +563,7 @@ PK_PERHAPS static pk_real pk_total(const struct pk_members *x, const struct pk_t
     return pk_whole(eight);
 }
 
-/* -- pairs --------------------------------------------------------------------------------------- */
+/* -- pairs ----------------------------------------------------------------------------------- */
 
 /* Adds the values of pairs to a vector; e has room for those of one term, PK_BLOCK pairs each. */
 PK_PERHAPS static void pk_add_pairs(const struct pk_members *x, const struct pk_vector *of,
@@ -603,7 +603,7 @@ PK_PERHAPS static void pk_add_pairs(const struct pk_members *x, const struct pk_
     }
 }
 
-/* -- lists --------------------------------------------------------------------------------------- */
+/* -- lists ----------------------------------------------------------------------------------- */
 
 /* Writes the values of some terms, each with one for each member or pair, one behind the other.
  * With `out` NULL it only counts them. */
@@ -653,11 +653,11 @@ PK_PERHAPS static void pk_listed(const struct pk_members *x, const struct pk_ter
     *j += (ptrdiff_t)k;
 }
 
-/* -- sequences ----------------------------------------------------------------------------------- */
+/* -- sequences ------------------------------------------------------------------------------- */
 
 /* Writes the values of sequences, from the first member to the last. to[g][r] is where value r of
- * the first member of terms g goes; others follow. With `mutual` terms read what others have for
- * members before, so that all go on together. */
+ * the first member of terms g goes; others follow. Mutual sequences advance one member at a
+ * time. */
 PK_PERHAPS static void pk_run_along(const struct pk_members *x, const struct pk_terms *of,
                                     int count, pk_real *const *const *to, int mutual)
 {

@@ -1,20 +1,21 @@
-/* Matrices of models with families: a band with a border of dense rows, to which terms add entries.
+/* Matrices of models with families: a band with a border of dense rows, to which terms add
+ * entries.
  *
- * The unknowns of the band are ordered by index: at each index the members of all families, then
- * one row of every family of constraints, which belongs to the largest index of a coordinate in it.
- * The factorization L D L^T of K = [M J^T; J 0] then needs no pivoting: each leading block of K is
- * regular if the rows are independent. Behind the band come rows that reach around the end of a
- * ring, then scalar coordinates and single rows.
+ * * The unknowns of the band are ordered by index: at each index the members of all families,
+ * then one row of every family of constraints, which belongs to the largest index of a coordinate
+ * in it. The factorization L D L^T of K = [M J^T; J 0] then needs no pivoting: each leading block
+ * of K is regular if the rows are independent. Behind the band come rows that reach around the
+ * end of a ring, then scalar coordinates and single rows.
  *
- * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+ * * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_MEMBERS_BAND_H
 #define PK_MEMBERS_BAND_H
 
 /* Kinds of unknowns: coordinates, rows of constraints, other unknowns, and places that are none. */
 enum pk_unknown_kind { PK_COORDINATE, PK_ROW, PK_OTHER, PK_NONE };
 
-/* Unknowns of a family, at index i in place i + ahead; rows with an index below one of at[wraps],
- * ... (n_wraps of them), which reach around the end of a ring, lie behind all others. */
+/* Unknowns of a family: that of index i lies at i + ahead. Rows with an index below one of
+ * at[wraps], ... (n_wraps of them) reach around the end of a ring and lie behind all others. */
 struct pk_unknown {
     enum pk_unknown_kind kind;
     int family;
@@ -28,7 +29,7 @@ struct pk_layout {
     const struct pk_unknown *unknowns;
     int slots, border;
     ptrdiff_t width;
-    int spares;  /* the last of the border, which stand for rows that scalars alone make regular */
+    int spares; /* the last of the border: for rows whose pivot is 0 until scalars are eliminated */
     int carried; /* whether unknowns of kind PK_NONE are rows that define others */
 };
 
@@ -123,8 +124,8 @@ PK_INLINE static void pk_walk_on(const struct pk_places *p, struct pk_walk *at)
     }
 }
 
-/* What is in a place: the number of a coordinate; -2 - k for row k of constraints; -2 for another
- * unknown, or -1 for none. */
+/* Returns the number of the coordinate in a place; -2 - k for row k of constraints (in K); -2 for
+ * another unknown (in Jacobians); -1 for none. */
 PK_INLINE static ptrdiff_t pk_there(const struct pk_members *x, const struct pk_places *p,
                                     struct pk_walk at)
 {
@@ -152,7 +153,7 @@ PK_PERHAPS static ptrdiff_t pk_in_place(const struct pk_members *x, const struct
     return pk_there(x, p, pk_walk_at(p, i));
 }
 
-/* -- entries ---------------------------------------------------------------------------------- */
+/* -- entries --------------------------------------------------------------------------------- */
 
 /* A row or column: an unknown of the layout, at index of_m * m + shift + at[extra]. */
 struct pk_cell {
@@ -174,9 +175,8 @@ struct pk_matrix {
     ptrdiff_t chunk;
 };
 
-/* What is done with entries of M or J: they are added to the lower triangle of K, or those of J in
- * both triangles, once; to the diagonal of M by coordinates; |J| x and J^T x are added to out; or
- * they are added to the bands of `matrices` (struct pk_pattern). */
+/* Uses of the entries of M or J: M to the lower triangle of K; J to K; the diagonal of M by
+ * coordinates; |J| x and J^T x, added to out; the bands of `matrices` (struct pk_pattern). */
 enum pk_use { PK_TO_M, PK_TO_K, PK_TO_DIAGONAL, PK_TO_SIZES, PK_TO_PULL, PK_TO_BANDS };
 struct pk_into {
     enum pk_use use;
@@ -221,8 +221,8 @@ PK_PERHAPS static void pk_to_band(const struct pk_places *p, pk_real *A, ptrdiff
         A[right + (2 * rows + i - rows) * border + j - rows] += x;
 }
 
-/* Narrows the members m + lo .. m + hi - 1 to those at which a cell is a member itself, in the band;
- * *place is its place at m, and steps by the slots. */
+/* Narrows the members m + lo .. m + hi - 1 to those at which a cell is a member itself, in the
+ * band; *place is its place at m, and steps by the slots. */
 PK_PERHAPS static void pk_straight(const struct pk_members *x, const struct pk_places *p,
                                    const struct pk_cell *of, ptrdiff_t m, ptrdiff_t *lo,
                                    ptrdiff_t *hi, ptrdiff_t *place)
@@ -323,7 +323,7 @@ PK_PERHAPS static void pk_scatter(const struct pk_members *x, const struct pk_pl
     }
 }
 
-/* -- M and K ---------------------------------------------------------------------------------- */
+/* -- M and K --------------------------------------------------------------------------------- */
 
 PK_PERHAPS static size_t pk_matrix_size(const struct pk_places *p)
 {
@@ -386,8 +386,7 @@ PK_PERHAPS static void pk_tie(const struct pk_members *x, const struct pk_places
     pk_scatter(x, p, J, e, &to);
 }
 
-/* What scalar coordinates add to J M^-1 J^T of a row that lies before them, where only they have
- * that inertia. */
+/* Returns the sum of J_k^2 / M_k over the scalars k of row i. */
 PK_PERHAPS static pk_real pk_by_scalars(const struct pk_members *x, const struct pk_places *p,
                                         const struct pk_ldl *A, ptrdiff_t i)
 {
@@ -402,8 +401,8 @@ PK_PERHAPS static pk_real pk_by_scalars(const struct pk_members *x, const struct
     return sum;
 }
 
-/* The coordinate to name for an unknown that may be carried: one at its place, or the last before
- * it. Coordinates are numbered before carried values, from `count` on. */
+/* Returns the coordinate that an error message names for place i: one at its index, or the last
+ * before it. Coordinates are numbered before carried values, from `count` on. */
 PK_PERHAPS static ptrdiff_t pk_moved(const struct pk_members *x, const struct pk_places *p,
                                      ptrdiff_t count, ptrdiff_t i)
 {
@@ -434,14 +433,14 @@ PK_PERHAPS static pk_real pk_norm(const struct pk_members *x, const struct pk_pl
     return sum;
 }
 
-/* Factors K = L D L^T in place. Returns 0, or the failure of a pivot that is not positive, or of a
- * row of constraints not negative. `count` is the number of coordinates. Writes the pivots of rows,
- * and what these are without other rows, unless both are NULL.
+/* Factors K = L D L^T in place. Returns 0, or the failure of a pivot that is not positive, or of
+ * a row of constraints not negative. `count` is the number of coordinates. Writes the pivots of
+ * rows, and what these are without other rows, unless both are NULL.
  *
- * A row may be regular by a scalar coordinate alone, which comes behind it: its pivot d, all but 0,
- * becomes d - s then, and z with s x - s z = 0 is one more unknown, behind all: what K x lacks is s
- * z. The pivot of z is -s t / (s + t), where t is the row's own behind all others. `spared` has the
- * place of the row for each such z. */
+ * * A row may be regular by a scalar coordinate alone, which comes behind it. Its pivot d, about
+ * 0, is lowered by s. One more unknown z, behind all others, restores s: its equation is s x = s
+ * z. The pivot of z is -s t / (s + t), where t is the row's own behind all others. `spared` has
+ * the place of the row for each such z. */
 PK_PERHAPS static int pk_factored(const struct pk_members *x, const struct pk_places *p,
                                   ptrdiff_t count, pk_real *K, pk_real *spared, pk_real *pivots,
                                   pk_real *norms)
@@ -566,10 +565,10 @@ PK_PERHAPS static void pk_pivots(const struct pk_members *x, const struct pk_pla
     }
 }
 
-/* -- Jacobians -------------------------------------------------------------------------------- */
+/* -- Jacobians ------------------------------------------------------------------------------- */
 
-/* Writes matrices in bands, with 1 on the diagonal of the first where no unknown is, or with
- * `only_rates` where no coordinate is. */
+/* Writes matrices in bands. With `ones` the diagonal of the first is 1 where no unknown is; with
+ * ones > 1 wherever no coordinate is. */
 PK_PERHAPS static void pk_bands(const struct pk_members *x, const struct pk_places *p,
                                 const struct pk_matrix *of, pk_real *e, int ones, int n, pk_real *a,
                                 pk_real *b, pk_real *c)

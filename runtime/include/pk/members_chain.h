@@ -5,8 +5,8 @@
 #ifndef PK_MEMBERS_CHAIN_H
 #define PK_MEMBERS_CHAIN_H
 
-/* Writes the entries r of the row at index m, and the places c of their columns, -1 of a given one.
- * Returns how many there are. */
+/* Writes the entries r of the row at index m, and the places c of their columns, -1 of a given
+ * one. Returns how many there are. */
 PK_PERHAPS static int pk_made_row(const struct pk_members *x, const struct pk_places *p,
                                   const struct pk_matrix *of, ptrdiff_t m, ptrdiff_t *c, pk_real *r)
 {
@@ -42,8 +42,8 @@ PK_PERHAPS static void pk_made_range(const struct pk_members *x, const struct pk
     }
 }
 
-/* Adds C^T W C to M and C behind it, for the rows of `count` matrices. W is about the inertia that
- * is there, or that of what moves the value. */
+/* Adds C^T W C to M and C behind it, for the rows of `count` matrices. W is half the inertia of
+ * the value itself, or without one the inertia of its columns by their squared slopes. */
 PK_PERHAPS static void pk_made(const struct pk_members *x, const struct pk_places *p,
                                const struct pk_matrix *const *of, int count, pk_real *M)
 {
@@ -85,8 +85,8 @@ PK_PERHAPS static void pk_made(const struct pk_members *x, const struct pk_place
         }
 }
 
-/* Bounds each value by the sizes x of the coordinates that it depends on, `count` of them, added to
- * its own size (own, NULL: 0). */
+/* Bounds each value by the sizes x of the coordinates that it depends on, `count` of them, added
+ * to its own size (own, NULL: 0). */
 PK_PERHAPS static void pk_spread_over(const struct pk_members *x, const struct pk_places *p,
                                       const struct pk_matrix *const *of, int count, ptrdiff_t n,
                                       const pk_real *sizes, const pk_real *own, pk_real *out)
@@ -115,8 +115,8 @@ PK_PERHAPS static void pk_spread_over(const struct pk_members *x, const struct p
         }
 }
 
-/* Takes unknown i = c[0] out of M, where it stands for sum -r[k] c[k]: its row and column go over
- * to those. Returns the entry of the diagonal that it had. */
+/* Eliminates the unknown c[0] = -sum r[k] x[c[k]] from M, whose entries go over to the c[k].
+ * Returns the entry of the diagonal that it had. */
 PK_PERHAPS static pk_real pk_taken(const struct pk_ldl *A, int n, const ptrdiff_t *c,
                                    const pk_real *r)
 {
@@ -145,8 +145,8 @@ PK_PERHAPS static pk_real pk_taken(const struct pk_ldl *A, int n, const ptrdiff_
     return own;
 }
 
-/* Writes the diagonal of M of the `n` coordinates, without values that are defined by others: from
- * the last place to the first. M is overwritten. */
+/* Writes the diagonal of M of the `n` coordinates, without values that are defined by others:
+ * from the last place to the first. M is overwritten. */
 PK_PERHAPS static void pk_diagonal(const struct pk_members *x, const struct pk_places *p,
                                    const struct pk_matrix *const *of, int count, ptrdiff_t n,
                                    pk_real *M, pk_real *out)

@@ -1,7 +1,7 @@
-/* Steps of splitting methods with the accelerations of members: kicks v += h a and drifts q += h v.
- * Sums are not compensated.
+/* Steps of splitting methods with the accelerations of members: kicks v += h a and drifts q += h
+ * v. Sums are not compensated.
  *
- * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+ * * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_MEMBERS_STEPS_H
 #define PK_MEMBERS_STEPS_H
 
@@ -48,8 +48,8 @@ PK_PERHAPS static void pk_stage(const struct pk_members *x, const struct pk_vect
             carried[i * h + k] = e[i * of->width + (to - from) + k];
 }
 
-/* One pass over memory: `count` stages, each a kick by kappa[s] at time[s] and a drift by delta[s].
- * Each begins where the one before it has drifted, `lag` members behind that one's end. */
+/* One pass over memory: `count` stages, each a kick by kappa[s] at time[s] and a drift by
+ * delta[s]. Stage s follows stage s - 1 at a distance of `lag` rows. */
 PK_PERHAPS static void pk_one_pass(struct pk_members *x, const struct pk_vector *of, pk_real *e,
                                    ptrdiff_t lag, int count, const pk_real *time,
                                    const pk_real *delta, const pk_real *kappa, pk_real *q,
@@ -73,7 +73,9 @@ PK_PERHAPS static void pk_one_pass(struct pk_members *x, const struct pk_vector 
             const ptrdiff_t to = pk_least(ahead, end);
             ptrdiff_t from = done[s];
             if (to < end && end - to < lag && to - from > lag)
-                continue; /* the last rows go together, since terms beyond the end read them */
+                /* The last `lag` rows are made in one call: rows beyond the end read them before
+                 * they drift. */
+                continue;
             x->t = time[s];
             for (; from < to; from = done[s]) {
                 done[s] = pk_least(to, from + of->chunk);
@@ -85,8 +87,8 @@ PK_PERHAPS static void pk_one_pass(struct pk_members *x, const struct pk_vector 
         }
 }
 
-/* A kick and a drift of a ring: first are kicked, before anything drifts, `trail` rows at each end,
- * whose terms reach around it. */
+/* A kick and a drift of a ring. The `trail` rows at both ends, whose terms reach around it, are
+ * kicked first and drift last. */
 PK_PERHAPS static void pk_around(const struct pk_members *x, const struct pk_vector *of, pk_real *e,
                                  ptrdiff_t trail, pk_real kappa, pk_real delta, pk_real *q,
                                  pk_real *v)
@@ -113,11 +115,12 @@ PK_PERHAPS static void pk_around(const struct pk_members *x, const struct pk_vec
     }
 }
 
-/* Makes `steps` steps of h from time t, in place: kicks v += kick[i] h a(q, t) for i = 0 .. stages,
- * and drifts q += drift[i] h v between them. The last kick of a step and the first of the next are
- * one. e has the room that two of pk_compute() need; n is the number of coordinates. With a lag,
- * terms of rows from m on read no rows before m, and none m + lag or further; the stages of several
- * steps are then made in one pass over memory. Rings of equal length have minus this lag. */
+/* Makes `steps` steps of h from time t, in place: kicks v += kick[i] h a(q, t) for i = 0 ..
+ * stages, and drifts q += drift[i] h v between them. The last kick of a step and the first of the
+ * next are one. e has the room that two of pk_compute() need; n is the number of coordinates.
+ * With a lag, terms of rows from m on read no rows before m, and none m + lag or further; the
+ * stages of several steps are then made in one pass over memory. Rings of equal length have minus
+ * this lag. */
 PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_vector *of, pk_real *e,
                                   ptrdiff_t lag, int stages, const pk_real *kick,
                                   const pk_real *drift, pk_real t, pk_real h, unsigned long steps,

@@ -159,9 +159,9 @@ def _forces(x: LoopExpander, assembler: Assembler) -> None:
             assembler.state(group)
 
 
-# C has room for 256 of each: numbers that a term reads, of which Jacobians have more than L; values
-# that are added to single rows, of two outputs; scalars.
-MOST_READ, MOST_APART = 100, 100
+# C has room for 256 numbers that a term reads, of which Jacobians have more than L; for 256 scalars
+# with their outputs; for 1,024 values that are added to single rows, of two outputs.
+MOST_READ, MOST_APART, MOST_ENDS = 100, 100, 200
 
 
 def _check_apart(x: LoopExpander, assembler: Assembler) -> None:
@@ -172,7 +172,9 @@ def _check_apart(x: LoopExpander, assembler: Assembler) -> None:
     ends = sum(assembler.wraps.values()) + sum(len(g.ends) for g in x.coordinates.values())
     scalars = sum(not group.is_family for group in x.coordinates.values())
     rows = sum(item.range is None for item in x.model.constraints)
-    if max(scalars, rows, singles + 2 * ends) > MOST_APART:
+    if ends > MOST_ENDS:
+        raise Unrolled(f"terms reach more than {MOST_ENDS} members beyond the ends of families")
+    if max(scalars, rows, singles) > MOST_APART:
         raise Unrolled(f"more than {MOST_APART} coordinates, constraints or terms are single ones")
     read: dict[Over, set[Slot]] = {}
     for body in (body for found in vectors for body in found):
