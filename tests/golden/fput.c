@@ -915,6 +915,18 @@ struct pk_into {
     pk_real *out, *matrices[3];
 };
 
+PK_PERHAPS static struct pk_into pk_into_of(enum pk_use use)
+{
+    const struct pk_ldl none = {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL};
+    struct pk_into to;
+
+    to.use = use;
+    to.A = none;
+    to.x = NULL;
+    to.out = to.matrices[0] = to.matrices[1] = to.matrices[2] = NULL;
+    return to;
+}
+
 PK_PERHAPS static ptrdiff_t pk_cell_index(const struct pk_members *x, const struct pk_cell *of,
                                           ptrdiff_t m)
 {
@@ -1078,8 +1090,7 @@ PK_PERHAPS static void pk_inertia(const struct pk_members *x, const struct pk_pl
                                   const struct pk_matrix *mass, pk_real *e, pk_real *M)
 {
     const size_t size = pk_matrix_size(p);
-    struct pk_into to = {
-        PK_TO_M, {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL}, NULL, NULL, {NULL, NULL, NULL}};
+    struct pk_into to = pk_into_of(PK_TO_M);
     struct pk_walk at = pk_walk_at(p, 0);
     size_t k;
 
@@ -1096,8 +1107,7 @@ PK_PERHAPS static void pk_inertia(const struct pk_members *x, const struct pk_pl
 PK_PERHAPS static void pk_tie(const struct pk_members *x, const struct pk_places *p,
                               const struct pk_matrix *J, pk_real *e, pk_real *K)
 {
-    struct pk_into to = {
-        PK_TO_K, {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL}, NULL, NULL, {NULL, NULL, NULL}};
+    struct pk_into to = pk_into_of(PK_TO_K);
     int k;
 
     to.A = pk_lower(p, K);
@@ -1305,8 +1315,7 @@ PK_PERHAPS static void pk_bands(const struct pk_members *x, const struct pk_plac
 {
     const ptrdiff_t border = p->all - p->banded;
     const ptrdiff_t size = p->banded * (2 * p->of->width + 1) + (2 * p->banded + border) * border;
-    struct pk_into to = {
-        PK_TO_BANDS, {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL}, NULL, NULL, {NULL, NULL, NULL}};
+    struct pk_into to = pk_into_of(PK_TO_BANDS);
     struct pk_walk at;
     ptrdiff_t i;
     int k;
@@ -1514,8 +1523,8 @@ static int fput_fits(const struct fput_params *p)
     return 1;
 }
 
-static const struct pk_family fput_families[1] = {{0, 0, 0}};
-
+static const struct pk_family fput_families[1] = {
+    {0, 0, 0}};
 static const struct pk_unknown fput_slopes_unknowns[1] = {
     {PK_COORDINATE, 0, 1, 0, 0, 0}};
 static const struct pk_layout fput_slopes_layout = {fput_slopes_unknowns, 1, 0, 1, 0, 0};

@@ -185,6 +185,18 @@ struct pk_into {
     pk_real *out, *matrices[3];
 };
 
+PK_PERHAPS static struct pk_into pk_into_of(enum pk_use use)
+{
+    const struct pk_ldl none = {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL};
+    struct pk_into to;
+
+    to.use = use;
+    to.A = none;
+    to.x = NULL;
+    to.out = to.matrices[0] = to.matrices[1] = to.matrices[2] = NULL;
+    return to;
+}
+
 PK_PERHAPS static ptrdiff_t pk_cell_index(const struct pk_members *x, const struct pk_cell *of,
                                           ptrdiff_t m)
 {
@@ -348,8 +360,7 @@ PK_PERHAPS static void pk_inertia(const struct pk_members *x, const struct pk_pl
                                   const struct pk_matrix *mass, pk_real *e, pk_real *M)
 {
     const size_t size = pk_matrix_size(p);
-    struct pk_into to = {
-        PK_TO_M, {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL}, NULL, NULL, {NULL, NULL, NULL}};
+    struct pk_into to = pk_into_of(PK_TO_M);
     struct pk_walk at = pk_walk_at(p, 0);
     size_t k;
 
@@ -366,8 +377,7 @@ PK_PERHAPS static void pk_inertia(const struct pk_members *x, const struct pk_pl
 PK_PERHAPS static void pk_tie(const struct pk_members *x, const struct pk_places *p,
                               const struct pk_matrix *J, pk_real *e, pk_real *K)
 {
-    struct pk_into to = {
-        PK_TO_K, {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL}, NULL, NULL, {NULL, NULL, NULL}};
+    struct pk_into to = pk_into_of(PK_TO_K);
     int k;
 
     to.A = pk_lower(p, K);
@@ -575,8 +585,7 @@ PK_PERHAPS static void pk_bands(const struct pk_members *x, const struct pk_plac
 {
     const ptrdiff_t border = p->all - p->banded;
     const ptrdiff_t size = p->banded * (2 * p->of->width + 1) + (2 * p->banded + border) * border;
-    struct pk_into to = {
-        PK_TO_BANDS, {0, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL}, NULL, NULL, {NULL, NULL, NULL}};
+    struct pk_into to = pk_into_of(PK_TO_BANDS);
     struct pk_walk at;
     ptrdiff_t i;
     int k;

@@ -221,6 +221,12 @@ class _Context:
             "lag": self.lag,
         }
         text = KernelText(model.name, e, self.numbers)
+
+        def made_of(end: str) -> list[str]:
+            """Returns pointers to the matrices of recurrences in one layout."""
+            return [f"&{model.name}_{x.name}_{end}of" for x in plan.made]
+
+        found["made_of"] = made_of
         found |= {"text": text, "tables_of": self._tables(text, layouts), "numbers": self.numbers}
         # All ranges are known now: behind them in `at_` are the places of the regions.
         return found | {"room": 3 * len(self.numbers.rows) + len(self.numbers.more)}

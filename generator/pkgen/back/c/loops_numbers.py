@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ...graph.affine import OTHER, ROW, Affine
 from ...middle.loops.indexed_ir import Cell, Group, Slot
 from ...middle.loops.loops import LoopEquations
@@ -38,7 +40,9 @@ class Numbers:
         for g in (*e.coordinates, *e.carried_groups):
             self._enter(g.name, "", places.first[g.name], g)
         for rows in e.bound:
-            self._enter(rows.group.name, "lambda", places.first[rows.group.name], rows.group)
+            # A single row counts as a scalar: it is read and written without its index.
+            g = replace(rows.group, lo=None, hi=None) if rows.is_single else rows.group
+            self._enter(g.name, "lambda", places.first[g.name], g)
         for item in (item for found in e.along for item in found):
             self._enter(item.name, "let", places.lets[item.name][0], item.group)
         for g in e.carried_groups:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 from ...graph.affine import ROW, Affine
 from ...middle.loops.indexed_ir import Cell, Group
 from ...middle.loops.loops import LoopEquations
+from .ctext import fold_call
 from .kernel_code import statements
 from .loops_kernels import (
     BLOCK,
@@ -42,6 +43,9 @@ class KernelText:
     def __init__(self, name: str, e: LoopEquations, numbers: Numbers):
         self.name, self.e, self.numbers = name, e, numbers
         self._written: set[str] = set()  # the functions of terms
+
+    def table(self, kind: str, name: str, rows: Iterable[str]) -> str:
+        return table(kind, f"{self.name}_{name}", [*rows])
 
     def lines(self, found: Iterable[Statement], indent: int) -> str:
         return "\n".join(rendered(statements(found), indent))
@@ -191,7 +195,13 @@ class KernelText:
     def _loop(self, stem: str, body: list[Node], bad: bool) -> str:
         args = "PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out"
         lines = [f"        {line}" for line in body]
-        text = [f"{stem}({args})", "{", "    ptrdiff_t k;", *["    pk_bits bad = 0;"] * bad, ""]
+        text = [
+            fold_call(f"{stem}({args})"),
+            "{",
+            "    ptrdiff_t k;",
+            *["    pk_bits bad = 0;"] * bad,
+            "",
+        ]
         text += ["    PK_LANE_LOOP", "    for (k = 0; k < n; k++) {", *_wrapped(lines), "    }"]
         return "\n".join([*text, f"    return {'bad' if bad else 0};", "}", "", ""])
 
