@@ -258,3 +258,24 @@ def test_forces_that_are_zero_leave_the_energy_constant(force):
     for c in (0, 0.1):
         facts = looped(DRAGGED.format(c=c, force=force)).facts
         assert facts.conservative == facts.variational == (c == 0)
+
+
+def test_more_members_than_are_computed_at_a_time_with_an_end_that_moves(tmp_path):
+    """Members are computed 512 at a time, and three more for the terms that reach so far."""
+    text = (
+        "model driven\nsize N = 600\ncoord q[1..N]\nfixed q[0] = sin(t), q[N+1] = 0\n"
+        "kinetic sum(q[i]'^2/2, i = 1..N) + sum((q[i]' + q[i+1]')^2/9, i = 0..N)\n"
+        "potential sum((q[i] - q[i-3])^2/2, i = 4..N) + sum((q[i] - q[i-1])^2/2, i = 1..N)\n"
+    )
+    at, dice, t = Looped(text, tmp_path).at(600), random.Random(7), 0.7
+    q = [dice.uniform(-1, 1) for _ in range(600)]
+    _, (found,) = at.call("force", t, q, [0.1] * 600, (), (600,))
+    expected = [0.0] * 600
+    for far in (3, 1):
+        for i in range(far - (far == 1), 600):
+            pull = q[i] - (q[i - far] if i >= far else math.sin(t))
+            expected[i] -= pull
+            if i >= far:
+                expected[i - far] += pull
+    expected[0] += math.sin(t) * 2 / 9  # the end's acceleration
+    assert_close(expected, found, "force")
