@@ -212,8 +212,22 @@ class Assembler:
             x.members.clear()
             node = self.totals.throughout(term.at(x, J))
             self.reach(over, node)
+        if len(over) == 2 and lo is not None and lo == hi:
+            over, node, cell = (), self._at_index(node, lo), (group.name, lo)
         self.add(APPLIED, over, node, cell)
         self.applied |= node != ZERO and not group.is_state
+
+    def _at_index(self, node: Node, at: Affine) -> Node:
+        """Returns the node for the index m = at."""
+
+        def swap(slot: Slot) -> Node | None:
+            if slot.kind == "index" and slot.name == ROW:
+                return self.x.number(at)
+            if slot.at is None or not slot.at.factor(ROW):
+                return None
+            return self.x.slots.node(slot.kind, slot.name, slot.at.replaced({ROW: at}))
+
+        return self.x.slots.swapped(node, swap)
 
     def attitude(self, rotation: Rotation) -> None:
         """Adds the time derivatives of the components of a rotation's quaternion, which are
