@@ -9,13 +9,13 @@
 /* Sums of terms over the members of families, such as sum(f(q[i], q[i+1]), i = 0..N): the values
  * of kernels, for every length of the families.
  *
- * * A model has a function for each term, which computes its values for n successive members at
+ * A model has a function for each term, which computes its values for n successive members at
  * once. Tables say what it reads (struct pk_slot), over which members it runs (struct pk_terms),
  * and to what its values are added. A scalar is a family of one member, whose index is 0. An
  * index beyond the ends of a family stands for a member (a free or periodic end) or has a given
  * value.
  *
- * * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_MEMBERS_H
 #define PK_MEMBERS_H
 
@@ -25,7 +25,7 @@
 #define PK_PERHAPS
 #endif
 #define PK_BLOCK 512      /* the most members at a time */
-#define PK_MOST_SLOTS 256 /* what terms read, and their values */
+#define PK_MOST_SLOTS 256 /* the most numbers that terms read, and the most values */
 #define PK_LANES_IN_A_ROW 64
 
 /* The ends of a family. A ring continues with its own members. A free end repeats the last
@@ -731,13 +731,13 @@ PK_INLINE static void pk_ldl_substitute(const struct pk_ldl *A, pk_real *x)
 /* Matrices of models with families: a band with a border of dense rows, to which terms add
  * entries.
  *
- * * The unknowns of the band are ordered by index: at each index the members of all families,
+ * The unknowns of the band are ordered by index: at each index the members of all families,
  * then one row of every family of constraints, which belongs to the largest index of a coordinate
  * in it. The factorization L D L^T of K = [M J^T; J 0] then needs no pivoting: each leading block
  * of K is regular if the rows are independent. Behind the band come rows that reach around the
  * end of a ring, then scalar coordinates and single rows.
  *
- * * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_MEMBERS_BAND_H
 #define PK_MEMBERS_BAND_H
 
@@ -1177,7 +1177,7 @@ PK_PERHAPS static pk_real pk_norm(const struct pk_members *x, const struct pk_pl
  * a row of constraints not negative. `count` is the number of coordinates. Writes the pivots of
  * rows, and what these are without other rows, unless both are NULL.
  *
- * * A row may be regular by a scalar coordinate alone, which comes behind it. Its pivot d, about
+ * A row may be regular by a scalar coordinate alone, which comes behind it. Its pivot d, about
  * 0, is lowered by s. One more unknown z, behind all others, restores s: its equation is s x = s
  * z. The pivot of z is -s t / (s + t), where t is the row's own behind all others. `spared` has
  * the place of the row for each such z. */
@@ -1337,7 +1337,7 @@ PK_PERHAPS static void pk_bands(const struct pk_members *x, const struct pk_plac
 /* Steps of splitting methods with the accelerations of members: kicks v += h a and drifts q += h
  * v. Sums are not compensated.
  *
- * * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_MEMBERS_STEPS_H
 #define PK_MEMBERS_STEPS_H
 

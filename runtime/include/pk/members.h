@@ -1,13 +1,13 @@
 /* Sums of terms over the members of families, such as sum(f(q[i], q[i+1]), i = 0..N): the values
  * of kernels, for every length of the families.
  *
- * * A model has a function for each term, which computes its values for n successive members at
+ * A model has a function for each term, which computes its values for n successive members at
  * once. Tables say what it reads (struct pk_slot), over which members it runs (struct pk_terms),
  * and to what its values are added. A scalar is a family of one member, whose index is 0. An
  * index beyond the ends of a family stands for a member (a free or periodic end) or has a given
  * value.
  *
- * * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_MEMBERS_H
 #define PK_MEMBERS_H
 
@@ -17,7 +17,7 @@
 #define PK_PERHAPS
 #endif
 #define PK_BLOCK 512      /* the most members at a time */
-#define PK_MOST_SLOTS 256 /* what terms read, and their values */
+#define PK_MOST_SLOTS 256 /* the most numbers that terms read, and the most values */
 #define PK_LANES_IN_A_ROW 64
 
 /* The ends of a family. A ring continues with its own members. A free end repeats the last

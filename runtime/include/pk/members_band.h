@@ -1,13 +1,13 @@
 /* Matrices of models with families: a band with a border of dense rows, to which terms add
  * entries.
  *
- * * The unknowns of the band are ordered by index: at each index the members of all families,
+ * The unknowns of the band are ordered by index: at each index the members of all families,
  * then one row of every family of constraints, which belongs to the largest index of a coordinate
  * in it. The factorization L D L^T of K = [M J^T; J 0] then needs no pivoting: each leading block
  * of K is regular if the rows are independent. Behind the band come rows that reach around the
  * end of a ring, then scalar coordinates and single rows.
  *
- * * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_MEMBERS_BAND_H
 #define PK_MEMBERS_BAND_H
 
@@ -447,7 +447,7 @@ PK_PERHAPS static pk_real pk_norm(const struct pk_members *x, const struct pk_pl
  * a row of constraints not negative. `count` is the number of coordinates. Writes the pivots of
  * rows, and what these are without other rows, unless both are NULL.
  *
- * * A row may be regular by a scalar coordinate alone, which comes behind it. Its pivot d, about
+ * A row may be regular by a scalar coordinate alone, which comes behind it. Its pivot d, about
  * 0, is lowered by s. One more unknown z, behind all others, restores s: its equation is s x = s
  * z. The pivot of z is -s t / (s + t), where t is the row's own behind all others. `spared` has
  * the place of the row for each such z. */

@@ -1,7 +1,7 @@
 /* Steps of splitting methods with the accelerations of members: kicks v += h a and drifts q += h
  * v. Sums are not compensated.
  *
- * * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_MEMBERS_STEPS_H
 #define PK_MEMBERS_STEPS_H
 

@@ -1,8 +1,8 @@
 """The order of unknowns in the band matrix K = [M J^T; J 0] and in matrices of derivatives, as
 tables for members_band.h, and the template variables of constraint rows.
 
-A constraint row belongs to the largest index of a coordinate in it. Rows that reach around the end
-of a ring (a periodic family) lie behind all others.
+A constraint row belongs to the largest index of a coordinate in it. In a ring (a periodic family)
+the rows that reach around its end lie behind all others.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ SAYS = {
 
 @dataclass
 class Layout:
-    """The order of unknowns. `unknowns` maps names of cells to numbers: those of the band, then
-    those of the border."""
+    """The order of unknowns. `unknowns` maps names of cells to numbers. The band's
+    numbers come before the border's."""
 
     name: str
     unknowns: dict[Any, int] = field(default_factory=dict)

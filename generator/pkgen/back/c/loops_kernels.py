@@ -20,7 +20,7 @@ from ...middle.loops.slots import Slots
 from ..targets import STORE, Target
 from .loops import TERMS, Block, Places
 
-MOST_VALUES = 200  # of one C function; members.h has room for PK_MOST_SLOTS
+MOST_VALUES = 200  # A C function has no more values: PK_MOST_SLOTS in members.h has room.
 # Numbers in the buffer of a kernel, where it has several values; members at a time.
 MOST_ROOM, BLOCK, FEWEST = 4096, 512, 16
 

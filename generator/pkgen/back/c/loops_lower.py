@@ -356,7 +356,7 @@ class _Context:
             found["sums"] = {"count": str(len(e.sums)), "says": "Sums that terms have in them"}
         if plan.along:
             length = index(self.places.n_lets)
-            found["lets"] = {"count": length, "says": "What outputs have of each member"}
+            found["lets"] = {"count": length, "says": "Values of each member that outputs need"}
         return found
 
     def _system_kernels(self) -> dict[str, dict[str, Any]]:

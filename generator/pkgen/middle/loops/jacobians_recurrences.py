@@ -23,8 +23,8 @@ from .slots import M, Slots
 
 
 def made(e: LoopEquations, slots: Slots, item: Carried, rates: bool = False) -> Sum:
-    """Returns the entries of the matrix C in the rows of one recurrence X = Phi, or with `rates`
-    those of C'. In C, the entries for X itself, which are 1, come first."""
+    """Returns the entries of the matrix C, or with `rates` of its rate C', in the rows of one
+    recurrence X = Phi. In C, the entries for X itself, which are 1, come first."""
     row, found = (item.group.name, M), []
     if not rates:
         found += [Addend((p.lo, p.hi), ONE, (row, row)) for p in item.pieces]
