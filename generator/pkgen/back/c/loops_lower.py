@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from ...equations import Facts
-from ...graph.affine import Affine, variable
+from ...graph.affine import variable
 from ...graph.graph import ZERO, Node
 from ...middle.loops.indices import size_values
 from ...middle.loops.loops import Assigned, Limit, LoopEquations, Summed
@@ -25,6 +25,7 @@ from .loops_before import Before
 from .loops_bound import Layout, bound_context, layout_of_k, layout_of_slopes
 from .loops_chain import chain_context
 from .loops_kernels import Builder
+from .loops_memory import memory_regions
 from .loops_numbers import Numbers
 from .loops_plan import TOTALS, VECTORS, divides, emitted, planned, watches_momenta, within
 from .loops_steps import has_steps, lag_of
@@ -136,7 +137,7 @@ class _Context:
         accelerates = any(slot.kind == "acc" for slot in e.slots)
         banded = "inertia" in plan.matrices
         layouts = self._layouts()
-        regions = self._regions(answered or accelerates, layouts)
+        regions = memory_regions(e, self.places, plan, layouts, answered or accelerates)
         found = {
             **frame(model, _told(e), set(system) - own, parameters, loops_tables.names(e)),
             "n": e.count.value(size_values(model)),
@@ -325,38 +326,6 @@ class _Context:
             family = self.numbers.families[name, ""]
             orders = [block.statements for block in blocks]
             found.append({"family": family, "at": self.places.index(at), "orders": orders})
-        return found
-
-    def _regions(self, answered: bool, layouts: dict[str, Layout]) -> dict[str, dict[str, str]]:
-        """Returns the parts of the model's memory behind families of parameters: their lengths and
-        descriptions, in order."""
-        e, plan, index, name = self.e, self.plan, self.places.index, self.e.model.name
-        found, count = {}, index(e.count)
-        if e.carried:
-            found["memory"] = {"count": f"{name}_memory_size(p)", "says": "Carried values"}
-        if "K" in layouts:
-            found["K"] = {
-                "count": "(ptrdiff_t)pk_matrix_size(&K)",
-                "says": "M, or K = [M J^T; J 0]",
-            }
-            found["unknowns"] = {"count": "K.all", "says": "Unknowns of K"}
-        if e.bound:
-            rows = sum((x.group.count for x in e.bound), Affine())
-            found["lambda"] = {"count": index(rows), "says": "Multipliers"}
-        if answered or e.bound:
-            found["accelerated"] = {"count": count, "says": "Accelerations"}
-        if "K" in layouts and layouts["K"].spares:
-            spares = str(layouts["K"].spares)
-            found["spared"] = {"count": spares, "says": "Rows of constraints that have a spare"}
-        if watches_momenta(e):
-            found["momentum"] = {"count": count, "says": "Momenta that outputs have"}
-        if plan.rates:
-            found["rated"] = {"count": count, "says": "Rates of states that others use"}
-        if any(key.startswith("sum_") for key in plan.totals):
-            found["sums"] = {"count": str(len(e.sums)), "says": "Sums that terms have in them"}
-        if plan.along:
-            length = index(self.places.n_lets)
-            found["lets"] = {"count": length, "says": "Values of each member that outputs need"}
         return found
 
     def _system_kernels(self) -> dict[str, dict[str, Any]]:
