@@ -52,8 +52,9 @@ class Looped:
         for group in self.equations.parameters:
             kind = ctypes.POINTER(ctypes.c_double) if group.is_family else ctypes.c_double
             fields.append((group.name, kind))
+        header = files[f"{self.name}.h"]
         hoisted, places = (
-            int(files[f"{self.name}.h"].split(field)[1].split("]")[0])
+            int(header.split(field)[1].split("]")[0]) if field in header else 0
             for field in ("pk_real c_[", "ptrdiff_t at_[")
         )
         fields += [

@@ -6,14 +6,12 @@
  */
 #include "fput.h"
 
-/* Sums of terms over the members of families, such as sum(f(q[i], q[i+1]), i = 0..N): the values
- * of kernels, for every length of the families.
+/* Sums of terms over the members of families, such as sum(f(q[i], q[i+1]), i = 0..N), for every
+ * length of the families.
  *
- * A model has a function for each term, which computes its values for n successive members at
- * once. Tables say what it reads (struct pk_slot), over which members it runs (struct pk_terms),
- * and to what its values are added. A scalar is a family of one member, whose index is 0. An
- * index beyond the ends of a family stands for a member (a free or periodic end) or has a given
- * value.
+ * A model has a C function for each term. It computes the values of the term for n successive
+ * members at once. It reads members from their array, or from a copy in which members beyond the
+ * ends of the family are included. A scalar is a family of one member, whose index is 0.
  *
  * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_MEMBERS_H
@@ -24,374 +22,109 @@
 #else
 #define PK_PERHAPS
 #endif
-#define PK_BLOCK 512      /* the most members at a time */
-#define PK_MOST_SLOTS 256 /* the most numbers that terms read, and the most values */
-#define PK_LANES_IN_A_ROW 64
+#ifndef PK_BLOCK
+#define PK_BLOCK 512 /* the most members that a term is computed for at a time */
+#endif
+#define PK_MOST_VALUES 256
 
-/* The ends of a family. A ring continues with its own members. A free end repeats the last
- * member, for so many indices. Its range is in the array `at`: the number of its first member in
- * arrays, its least and its greatest index. */
-struct pk_family {
-    int ring, free_below, free_above;
-};
-
-enum pk_array {
-    PK_OF_Q,
-    PK_OF_V,
-    PK_OF_ZERO,
-    PK_OF_A,
-    PK_OF_RATED,
-    PK_OF_P,
-    PK_OF_LETS,
-    PK_OF_LAMBDA,
-    PK_OF_SIDES,
-    PK_ARRAYS
-};
-
-/* The state and the model that a kernel is called with. */
+/* The arguments of a kernel; `at` has indices for tables. */
 struct pk_members {
     const void *params;
-    const struct pk_family *families;
-    const ptrdiff_t *at; /* 3 numbers for each family; ends of ranges; indices */
-    /* the value (order 0), rate (1) or acceleration (2) of a given member */
-    pk_real (*given)(const struct pk_members *x, int family, int order, ptrdiff_t i);
+    const ptrdiff_t *at;
     pk_real t;
-    const pk_real *u;
-    const pk_real *arrays[PK_ARRAYS];
+    const pk_real *q, *v, *u;
 };
 
-/* A number that terms read: the member with index of_m * m + of_j * j + shift + at[extra] of a
- * family; `extra` is 0 if there is none. A given member has no place in an array: given() returns
- * its derivative of that order. The order -1 means 0. */
-struct pk_slot {
-    enum pk_array array;
-    int order, family, of_m, of_j;
-    ptrdiff_t shift;
-    int extra;
-};
+/* A term: writes its values for m = from .. from + n - 1 to o[0][0], o[0][1], ...; o[1][0], ... A
+ * term of pairs writes those of the pairs m = row, j = from .. from + n - 1. */
+typedef void pk_values(const struct pk_members *x, ptrdiff_t row, ptrdiff_t from, ptrdiff_t n,
+                       pk_real *const *o);
+#define PK_TERM(name)                                                                 \
+    static void name(PK_PERHAPS const struct pk_members *x, PK_PERHAPS ptrdiff_t row, \
+                     PK_PERHAPS ptrdiff_t from, ptrdiff_t n, pk_real *const *o)
 
-/* Terms with the indices m = at[over] .. at[over + 1]; those of pairs have j = at[over + 2] +
- * first * m .. at[over + 3] + last * m too. values() writes the values of n successive members,
- * from m on (of pairs: from j on) to o[0], o[1], ... It returns nonzero if they are invalid,
- * since an angle was too large; it is then called again with PK_CAREFULLY. */
-typedef pk_bits pk_values(const struct pk_members *x, enum pk_pass pass, ptrdiff_t m, ptrdiff_t j,
-                          ptrdiff_t n, const pk_real *const *s, pk_real *const *o);
-struct pk_terms {
-    pk_values *values;
-    const struct pk_slot *slots;
-    int n_slots, n_values, over, pairs, first, last;
-};
-
-/* PK_TERM(name) begins the function of one member, PK_TERMS(name) defines the loop over it. A
- * PK_SEQUENCE reads what it has written for members before. */
-#define PK_TERM(name)                                                                        \
-    PK_INLINE static pk_bits name##_at(PK_PERHAPS const struct pk_members *x,                \
-                                       PK_PERHAPS enum pk_pass pass, PK_PERHAPS ptrdiff_t m, \
-                                       PK_PERHAPS ptrdiff_t j, PK_PERHAPS ptrdiff_t k,       \
-                                       PK_PERHAPS const pk_real *const *s, pk_real *const *o)
-#define PK_TERMS_(name, lanes, of_m, of_j)                                                       \
-    static pk_bits name(const struct pk_members *x, enum pk_pass pass, ptrdiff_t m, ptrdiff_t j, \
-                        ptrdiff_t n, const pk_real *const *s, pk_real *const *o)                 \
-    {                                                                                            \
-        pk_bits far = 0;                                                                         \
-        ptrdiff_t k = 0, l;                                                                      \
-        if (pass == PK_CAREFULLY) {                                                              \
-            for (; k < n; k++)                                                                   \
-                (void)name##_at(x, PK_CAREFULLY, m + (of_m) * k, j + (of_j) * k, k, s, o);       \
-            return 0;                                                                            \
-        }                                                                                        \
-        for (; k + PK_LANES_IN_A_ROW <= n; k += PK_LANES_IN_A_ROW) {                             \
-            lanes for (l = k; l < k + PK_LANES_IN_A_ROW; l++)                                    \
-                far |= name##_at(x, PK_IN_LANE, m + (of_m) * l, j + (of_j) * l, l, s, o);        \
-        }                                                                                        \
-        for (; k < n; k++)                                                                       \
-            far |= name##_at(x, PK_IN_LANE, m + (of_m) * k, j + (of_j) * k, k, s, o);            \
-        return far;                                                                              \
+/* A term with angles is computed with a fast sine, and again with care if an angle is too large. */
+#define PK_TERM_PASS(name)                                                                         \
+    PK_INLINE static pk_bits name##_pass(enum pk_pass pass, PK_PERHAPS const struct pk_members *x, \
+                                         PK_PERHAPS ptrdiff_t row, PK_PERHAPS ptrdiff_t from,      \
+                                         ptrdiff_t n, pk_real *const *o)
+#define PK_TERM_OF_PASSES(name)                                  \
+    PK_TERM(name)                                                \
+    {                                                            \
+        if (name##_pass(PK_IN_LANE, x, row, from, n, o))         \
+            (void)name##_pass(PK_CAREFULLY, x, row, from, n, o); \
     }
-#define PK_TERMS(name) PK_TERMS_(name, PK_LANE_LOOP, 1, 0)
-#define PK_PAIRS(name) PK_TERMS_(name, PK_LANE_LOOP, 0, 1)
-#define PK_SEQUENCE(name) PK_TERMS_(name, , 1, 0)
-
-static const pk_real pk_zeros[PK_BLOCK] = {0};
 
 PK_INLINE static ptrdiff_t pk_most(ptrdiff_t a, ptrdiff_t b) { return a > b ? a : b; }
 
 PK_INLINE static ptrdiff_t pk_least(ptrdiff_t a, ptrdiff_t b) { return a < b ? a : b; }
 
-/* The range of a family: number of the first member in arrays, least and greatest index. */
-PK_INLINE static const ptrdiff_t *pk_range_of_family(const struct pk_members *x, int family)
+/* Returns the members from .. from + n - 1 of a family with the indices lo .. hi, whose array
+ * begins at `array`: in place, or else copied to `room`, where read() returns those beyond. */
+PK_INLINE static const pk_real *pk_row(const struct pk_members *x, const pk_real *array,
+                                       pk_real (*read)(const struct pk_members *x, ptrdiff_t i),
+                                       ptrdiff_t lo, ptrdiff_t hi, ptrdiff_t from, ptrdiff_t n,
+                                       pk_real *room)
 {
-    return x->at + 3 * family;
+    const ptrdiff_t below = pk_least(n, lo - from), end = pk_least(n, hi + 1 - from);
+    ptrdiff_t k;
+
+    if (below <= 0 && end == n)
+        return array + (from - lo);
+    for (k = 0; k < below; k++)
+        room[k] = read(x, from + k);
+    PK_LANE_LOOP
+    for (k = pk_most(0, below); k < end; k++)
+        room[k] = array[from - lo + k];
+    for (k = pk_most(0, end); k < n; k++)
+        room[k] = read(x, from + k);
+    return room;
 }
 
-/* The index of the member that index i stands for; one below the least if it is given. */
-PK_PERHAPS static ptrdiff_t pk_home(const struct pk_members *x, int family, ptrdiff_t i)
+/* Writes the `count` values of a term for m = from .. from + n - 1: value r to e[r * width],
+ * e[r * width + 1], ...; 0 where m is not in lo .. hi. */
+PK_INLINE static void pk_fill(const struct pk_members *x, pk_values *values, int count,
+                              ptrdiff_t lo, ptrdiff_t hi, ptrdiff_t from, ptrdiff_t n, pk_real *e,
+                              ptrdiff_t width)
 {
-    const ptrdiff_t lo = x->at[3 * family + 1], hi = x->at[3 * family + 2];
-    const struct pk_family *of = x->families + family;
+    const ptrdiff_t first = pk_least(pk_most(lo, from), from + n);
+    const ptrdiff_t end = pk_most(first, pk_least(hi + 1, from + n));
+    pk_real *o[PK_MOST_VALUES];
+    ptrdiff_t m, k, step;
+    int r;
 
-    if (i >= lo && i <= hi)
-        return i;
-    if (of->ring) {
-        const ptrdiff_t n = hi - lo + 1, r = (i - lo) % n;
-        return lo + (r < 0 ? r + n : r);
+    for (r = 0; r < count; r++) {
+        o[r] = e + r * width + (first - from);
+        for (k = 0; k < first - from; k++)
+            e[r * width + k] = 0;
+        for (k = end - from; k < n; k++)
+            e[r * width + k] = 0;
     }
-    if (i < lo)
-        return i + of->free_below >= lo ? lo : lo - 1;
-    return i - of->free_above <= hi ? hi : lo - 1;
-}
-
-PK_PERHAPS static ptrdiff_t pk_index(const struct pk_members *x, const struct pk_slot *of,
-                                     ptrdiff_t m, ptrdiff_t j)
-{
-    return of->of_m * m + of->of_j * j + of->shift + (of->extra ? x->at[of->extra] : 0);
-}
-
-/* The value of a slot at m, j. */
-PK_PERHAPS static pk_real pk_read(const struct pk_members *x, const struct pk_slot *of, ptrdiff_t m,
-                                  ptrdiff_t j)
-{
-    const ptrdiff_t *range = pk_range_of_family(x, of->family);
-    ptrdiff_t i = pk_index(x, of, m, j);
-
-    if (i < range[1] || i > range[2]) {
-        const ptrdiff_t home = pk_home(x, of->family, i);
-        if (home < range[1])
-            return of->order < 0 ? 0 : x->given(x, of->family, of->order, i);
-        i = home;
-    }
-    return of->array == PK_OF_ZERO ? 0 : x->arrays[of->array][range[0] + i - range[1]];
-}
-
-/* Writes the values of the member m, or of the pair m, j, to o[0][k], o[1][k], ... */
-PK_PERHAPS static void pk_one(const struct pk_members *x, const struct pk_terms *of, ptrdiff_t m,
-                              ptrdiff_t j, ptrdiff_t k, pk_real *const *o)
-{
-    pk_real read[PK_MOST_SLOTS], *to[PK_MOST_SLOTS];
-    const pk_real *s[PK_MOST_SLOTS];
-    int i;
-
-    for (i = 0; i < of->n_slots; i++) {
-        read[i] = pk_read(x, of->slots + i, m, j);
-        s[i] = read + i;
-    }
-    for (i = 0; i < of->n_values; i++)
-        to[i] = o[i] + k;
-    if (of->values(x, PK_IN_LANE, m, j, 1, s, to))
-        (void)of->values(x, PK_CAREFULLY, m, j, 1, s, to);
-}
-
-/* Narrows lo .. hi to the m whose slot is an existing member. */
-PK_PERHAPS static void pk_inside(const struct pk_members *x, const struct pk_slot *of,
-                                 ptrdiff_t *lo, ptrdiff_t *hi)
-{
-    const ptrdiff_t *range = pk_range_of_family(x, of->family);
-    const ptrdiff_t shift = pk_index(x, of, 0, 0);
-
-    if (of->of_m == 1) {
-        *lo = pk_most(*lo, range[1] - shift);
-        *hi = pk_least(*hi, range[2] - shift);
-    } else if (of->of_m == -1) {
-        *lo = pk_most(*lo, shift - range[2]);
-        *hi = pk_least(*hi, shift - range[1]);
-    } else if (of->of_m || shift < range[1] || shift > range[2]) {
-        *hi = *lo - 1; /* read one by one */
+    for (m = first; m < end; m += step) {
+        step = pk_least(PK_BLOCK, end - m);
+        if (m == lo && step > 64)
+            step = 8; /* terms at an end read a copy: make it a short one */
+        else if (m + step == hi + 1 && step > 64)
+            step -= 8;
+        values(x, 0, m, step, o);
+        for (r = 0; r < count; r++)
+            o[r] += step;
     }
 }
 
-/* Writes the values of the members from .. to - 1, at most PK_BLOCK, to o[..][0], o[..][1], ... */
-PK_PERHAPS static void pk_evaluate(const struct pk_members *x, const struct pk_terms *of,
-                                   ptrdiff_t from, ptrdiff_t to, pk_real *const *o)
+/* Moves the last `kept` of kept + n columns of e to the front. */
+PK_INLINE static void pk_keep(pk_real *e, int count, ptrdiff_t width, ptrdiff_t n, ptrdiff_t kept)
 {
-    ptrdiff_t lo = from, hi = to - 1, m;
-    pk_real *into[PK_MOST_SLOTS];
-    const pk_real *s[PK_MOST_SLOTS];
-    int i;
+    ptrdiff_t k;
+    int r;
 
-    for (i = 0; i < of->n_slots; i++)
-        pk_inside(x, of->slots + i, &lo, &hi);
-    for (m = from; m < to && (m < lo || lo > hi); m++)
-        pk_one(x, of, m, 0, m - from, o);
-    if (m >= to)
-        return;
-    for (i = 0; i < of->n_slots; i++) {
-        const struct pk_slot *slot = of->slots + i;
-        const ptrdiff_t *range = pk_range_of_family(x, slot->family);
-        s[i] = slot->array == PK_OF_ZERO
-                   ? pk_zeros
-                   : x->arrays[slot->array] + range[0] + pk_index(x, slot, lo, 0) - range[1];
-    }
-    for (i = 0; i < of->n_values; i++)
-        into[i] = o[i] + (lo - from);
-    if (of->values(x, PK_IN_LANE, lo, 0, hi - lo + 1, s, into))
-        (void)of->values(x, PK_CAREFULLY, lo, 0, hi - lo + 1, s, into);
-    for (m = hi + 1; m < to; m++)
-        pk_one(x, of, m, 0, m - from, o);
+    for (r = 0; r < count; r++)
+        for (k = 0; k < kept; k++)
+            e[r * width + k] = e[r * width + k + n];
 }
 
-/* -- vectors --------------------------------------------------------------------------------- */
-
-/* The values of members of one family. rows() adds up what terms have for n successive members: e
- * points to row 0: rows() reads e[-most] to e[n - 1 - least] of each value. raw() does the same
- * before a division. rows() returns nonzero where a mass is not positive. */
-typedef pk_bits pk_rows(const pk_real *e, ptrdiff_t n, pk_real *const *out);
-typedef void pk_kick_rows(const pk_real *e, ptrdiff_t n, pk_real kappa, pk_real delta, pk_real *q,
-                          pk_real *v);
-struct pk_row_set {
-    int family, below, above; /* indices beyond the ends that terms reach */
-    pk_rows *rows, *raw;
-    pk_kick_rows *kick; /* v += kappa a, q += delta v; NULL: not there */
-};
-
-/* Adds sign * value number `value` of terms to one output. Single terms go to a member, sums to a
- * scalar, pairs to the member m or j or to a scalar. */
-struct pk_goal {
-    int terms, value, sign, output;
-    struct pk_slot to;
-};
-
-enum pk_finish { PK_STORE, PK_QUOTIENT, PK_DIVIDE }; /* out = r0; out = r0/r1; out /= r0 */
-
-struct pk_vector {
-    const struct pk_terms *terms, *singles, *pairs;
-    int n_terms, n_singles, n_pairs, n_values, n_sets, n_scalars, n_goals[3];
-    const struct pk_row_set *sets;
-    const int *scalars;             /* families of one member */
-    const struct pk_goal *goals[3]; /* of terms, of singles, of pairs */
-    enum pk_finish finish;
-    int outputs;                         /* of raw() */
-    ptrdiff_t chunk, least, most, width; /* terms of m reach rows m + least .. m + most */
-};
-
-/* What is added to the row of one member apart from terms of successive members. */
-struct pk_addition {
-    int family, output;
-    ptrdiff_t i;
-    pk_real value;
-};
-
-#define PK_MOST_ADDITIONS 1024
-#define PK_MOST_OUTPUTS 8
-#define PK_MOST_SCALARS 256
-
-/* Writes the values of all terms for the rows from .. from + n - 1: value r of the terms at m
- * goes to e[r * width + most + m - from]. The caller has kept the first `known` columns. */
-PK_PERHAPS static void pk_fill(const struct pk_members *x, const struct pk_vector *of,
-                               ptrdiff_t from, ptrdiff_t n, ptrdiff_t known, pk_real *e)
-{
-    const ptrdiff_t first = from - of->most, begin = first + known, end = from + n - of->least;
-    pk_real *o[PK_MOST_SLOTS];
-    int g, r, done = 0;
-
-    for (g = 0; g < of->n_terms; g++) {
-        const struct pk_terms *terms = of->terms + g;
-        const ptrdiff_t lo = pk_least(pk_most(begin, x->at[terms->over]), end);
-        const ptrdiff_t hi = pk_most(lo, pk_least(end, x->at[terms->over + 1] + 1));
-        ptrdiff_t m;
-        for (r = 0; r < terms->n_values; r++) {
-            o[r] = e + (done + r) * of->width + (lo - first);
-            for (m = begin; m < lo; m++)
-                o[r][m - lo] = 0;
-            for (m = hi; m < end; m++)
-                o[r][m - lo] = 0;
-        }
-        for (m = lo; m < hi; m += PK_BLOCK) {
-            pk_evaluate(x, terms, m, pk_least(hi, m + PK_BLOCK), o);
-            for (r = 0; r < terms->n_values; r++)
-                o[r] += PK_BLOCK;
-        }
-        done += terms->n_values;
-    }
-}
-
-/* Computes one row before a division. */
-PK_PERHAPS static void pk_raw_row(const struct pk_members *x, const struct pk_vector *of,
-                                  const struct pk_row_set *set, ptrdiff_t i, pk_real *e, pk_real *r)
-{
-    pk_real *out[PK_MOST_OUTPUTS];
-    int k;
-
-    for (k = 0; k < of->outputs; k++)
-        out[k] = r + k;
-    pk_fill(x, of, i, 1, 0, e);
-    (void)set->raw(e + of->most, 1, out);
-}
-
-/* Lists what is added to the rows begin .. end - 1, and to scalars, apart from sums: single
- * terms, and rows beyond an end, which are added to the members that they stand for. */
-PK_PERHAPS static int pk_additions(const struct pk_members *x, const struct pk_vector *of,
-                                   pk_real *e, struct pk_addition *found, pk_real *scalars,
-                                   ptrdiff_t begin, ptrdiff_t end)
-{
-    pk_real values[PK_MOST_SLOTS], r[PK_MOST_OUTPUTS], *o[PK_MOST_SLOTS];
-    int g, k, n = 0, count = 0;
-
-    for (g = 0; g < of->n_singles; g++) {
-        for (k = 0; k < of->singles[g].n_values; k++)
-            o[k] = values + k;
-        pk_one(x, of->singles + g, 0, 0, 0, o);
-        for (; n < of->n_goals[1] && of->goals[1][n].terms == g; n++) {
-            const struct pk_goal *goal = of->goals[1] + n;
-            const ptrdiff_t lo = pk_range_of_family(x, goal->to.family)[1];
-            const ptrdiff_t i = pk_home(x, goal->to.family, pk_index(x, &goal->to, 0, 0));
-            const pk_real value = goal->sign < 0 ? -values[goal->value] : values[goal->value];
-            int is_scalar = 0;
-            for (k = 0; k < of->n_scalars; k++)
-                if (of->scalars[k] == goal->to.family) {
-                    scalars[k * of->outputs + goal->output] += value;
-                    is_scalar = 1;
-                }
-            if (is_scalar || i < lo || i < begin || i >= end)
-                continue;
-            found[count].family = goal->to.family;
-            found[count].output = goal->output;
-            found[count].i = i;
-            found[count++].value = value;
-        }
-    }
-    for (g = 0; g < of->n_sets; g++) {
-        const struct pk_row_set *set = of->sets + g;
-        const ptrdiff_t lo = pk_range_of_family(x, set->family)[1];
-        const ptrdiff_t hi = pk_range_of_family(x, set->family)[2];
-        ptrdiff_t i;
-        for (i = lo - set->below; i <= hi + set->above; i++) {
-            ptrdiff_t home;
-            if (i == lo)
-                i = hi + 1;
-            if (i > hi + set->above)
-                break;
-            home = pk_home(x, set->family, i);
-            if (home < lo || home < begin || home >= end)
-                continue;
-            pk_raw_row(x, of, set, i, e, r);
-            for (k = 0; k < of->outputs; k++) {
-                found[count].family = set->family;
-                found[count].output = k;
-                found[count].i = home;
-                found[count++].value = r[k];
-            }
-        }
-    }
-    return count;
-}
-
-PK_PERHAPS static pk_bits pk_finished(enum pk_finish how, const pk_real *r, pk_real *const *out,
-                                      int outputs)
-{
-    int k;
-
-    if (how == PK_STORE)
-        for (k = 0; k < outputs; k++)
-            *out[k] = r[k];
-    else if (how == PK_QUOTIENT)
-        *out[0] = r[0] / r[1];
-    else
-        *out[0] /= r[0];
-    return how == PK_STORE ? 0 : !(r[how == PK_QUOTIENT] > 0);
-}
-
-/* Adds the sum of n numbers to eight partial sums. */
-PK_PERHAPS static void pk_add_up(const pk_real *e, ptrdiff_t n, pk_real sign, pk_real *eight)
+/* Adds n numbers, times a sign, to eight partial sums. */
+PK_INLINE static void pk_add_up(const pk_real *e, ptrdiff_t n, pk_real sign, pk_real *eight)
 {
     ptrdiff_t k, l;
 
@@ -402,124 +135,97 @@ PK_PERHAPS static void pk_add_up(const pk_real *e, ptrdiff_t n, pk_real sign, pk
         eight[l] += sign * e[k + l];
 }
 
-PK_PERHAPS static pk_real pk_whole(const pk_real *s)
+PK_INLINE static pk_real pk_whole(const pk_real *s)
 {
     return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
 }
 
-/* Computes the rows from .. to - 1 of a set, whose values of terms are e (see pk_fill), into
- * out[k] + 0, 1, ... */
-PK_PERHAPS static pk_bits pk_some_rows(const struct pk_vector *of, const struct pk_row_set *set,
-                                       ptrdiff_t from, ptrdiff_t to, const pk_real *e,
-                                       const struct pk_addition *added, int n_added,
-                                       pk_real *const *out)
+/* Adds the value of a term for m = lo .. hi to eight partial sums. */
+PK_PERHAPS static void pk_sum(const struct pk_members *x, pk_values *values, ptrdiff_t lo,
+                              ptrdiff_t hi, pk_real *eight)
 {
-    pk_real r[PK_MOST_OUTPUTS], *at[PK_MOST_OUTPUTS];
-    const int finished = of->finish == PK_STORE ? of->outputs : 1;
-    ptrdiff_t i, next;
-    pk_bits bad = 0;
-    int b, k;
+    pk_real e[PK_BLOCK], *const o = e;
+    ptrdiff_t n;
 
-    for (i = from; i < to; i = next + 1) {
-        next = to;
-        for (b = 0; b < n_added; b++)
-            if (added[b].family == set->family && added[b].i >= i && added[b].i < next)
-                next = added[b].i;
-        for (k = 0; k < finished; k++)
-            at[k] = out[k] + (i - from);
-        if (next > i)
-            bad |= set->rows(e + (i - from), next - i, at);
-        if (next == to)
-            break;
-        for (k = 0; k < of->outputs; k++)
-            at[k] = r + k;
-        (void)set->raw(e + (next - from), 1, at);
-        for (b = 0; b < n_added; b++)
-            if (added[b].family == set->family && added[b].i == next)
-                r[added[b].output] += added[b].value;
-        for (k = 0; k < finished; k++)
-            at[k] = out[k] + (next - from);
-        bad |= pk_finished(of->finish, r, at, of->outputs);
+    for (; lo <= hi; lo += n) {
+        n = pk_least(PK_BLOCK, hi + 1 - lo);
+        values(x, 0, lo, n, &o);
+        pk_add_up(e, n, 1, eight);
     }
-    return bad;
 }
 
-/* Computes a vector of all members; e has room for n_values * width numbers. Returns nonzero
- * where a mass is not positive. With `v` the vector is an acceleration a, and v += h a. */
-PK_PERHAPS static pk_bits pk_compute(const struct pk_members *x, const struct pk_vector *of,
-                                     pk_real *e, pk_real *const *out, pk_real *v, pk_real h)
+#endif
+
+/* The ends of families, and values that are added to single members.
+ *
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+#ifndef PK_MEMBERS_ENDS_H
+#define PK_MEMBERS_ENDS_H
+
+/* Returns the index of the member that index i stands for, lo - 1 if it stands for none. A ring
+ * continues with its own members. The free ends repeat the first member for `below` indices, the
+ * last one for `above`. */
+PK_PERHAPS static ptrdiff_t pk_home(ptrdiff_t i, ptrdiff_t lo, ptrdiff_t hi, int ring,
+                                    ptrdiff_t below, ptrdiff_t above)
 {
-    struct pk_addition added[PK_MOST_ADDITIONS];
-    pk_real scalars[PK_MOST_SCALARS], sums[PK_MOST_SCALARS][8], a[PK_BLOCK];
-    pk_real *at[PK_MOST_OUTPUTS];
-    const int finished = of->finish == PK_STORE ? of->outputs : 1;
-    ptrdiff_t first = PTRDIFF_MAX, last = PTRDIFF_MIN, from, n, known = 0;
-    pk_bits bad = 0;
-    int g, k, n_added;
-
-    for (g = 0; g < of->n_scalars * of->outputs; g++) {
-        scalars[g] = 0;
-        for (k = 0; k < 8; k++)
-            sums[g][k] = 0;
+    if (i >= lo && i <= hi)
+        return i;
+    if (ring) {
+        const ptrdiff_t n = hi - lo + 1, r = (i - lo) % n;
+        return lo + (r < 0 ? r + n : r);
     }
-    n_added = pk_additions(x, of, e, added, scalars, PTRDIFF_MIN, PTRDIFF_MAX);
-
-    for (g = 0; g < of->n_sets; g++) {
-        first = pk_least(first, pk_range_of_family(x, of->sets[g].family)[1]);
-        last = pk_most(last, pk_range_of_family(x, of->sets[g].family)[2]);
-    }
-    for (g = 0; g < of->n_goals[0]; g++) {
-        const int over = of->terms[of->goals[0][g].terms].over;
-        first = pk_least(first, x->at[over] + of->most);
-        last = pk_most(last, x->at[over + 1] + of->least);
-    }
-    for (from = first; from <= last; from += n) {
-        int done = 0, term = 0;
-        n = pk_least(of->chunk, last + 1 - from);
-        pk_fill(x, of, from, n, known, e);
-        for (g = 0; g < of->n_sets; g++) {
-            const struct pk_row_set *set = of->sets + g;
-            const ptrdiff_t *range = pk_range_of_family(x, set->family);
-            const ptrdiff_t lo = pk_most(from, range[1]), hi = pk_least(from + n, range[2] + 1);
-            const ptrdiff_t place = range[0] + lo - range[1];
-            if (lo >= hi)
-                continue;
-            for (k = 0; k < finished; k++)
-                at[k] = v ? a : out[k] + place;
-            bad |= pk_some_rows(of, set, lo, hi, e + of->most + (lo - from), added, n_added, at);
-            for (k = 0; v && k < hi - lo; k++)
-                v[place + k] += h * a[k];
-        }
-        for (g = 0; g < of->n_goals[0]; g++) {
-            const struct pk_goal *goal = of->goals[0] + g;
-            for (; term < goal->terms; term++)
-                done += of->terms[term].n_values;
-            for (k = 0; of->scalars[k] != goal->to.family; k++)
-                ;
-            pk_add_up(e + (done + goal->value) * of->width + known,
-                      n + of->most - of->least - known, (pk_real)goal->sign,
-                      sums[k * of->outputs + goal->output]);
-        }
-        known = of->most - of->least;
-        for (k = 0; k < of->n_values; k++) {
-            pk_real *row = e + k * of->width;
-            ptrdiff_t i;
-            for (i = 0; i < known; i++)
-                row[i] = row[i + n];
-        }
-    }
-    for (g = 0; g < of->n_scalars; g++) {
-        const ptrdiff_t place = pk_range_of_family(x, of->scalars[g])[0];
-        for (k = 0; k < of->outputs; k++)
-            scalars[g * of->outputs + k] += pk_whole(sums[g * of->outputs + k]);
-        for (k = 0; k < finished; k++)
-            at[k] = out[k] + place;
-        bad |= pk_finished(of->finish, scalars + g * of->outputs, at, of->outputs);
-    }
-    return bad;
+    if (i < lo)
+        return i + below >= lo ? lo : lo - 1;
+    return i - above <= hi ? hi : lo - 1;
 }
 
-/* -- totals ---------------------------------------------------------------------------------- */
+/* A value that is added to one member of a family, apart from the terms of successive members. */
+struct pk_added {
+    int family, output;
+    ptrdiff_t i;
+    pk_real value;
+};
+
+/* Appends a value for member i to a list of `count`, if i is in first .. end - 1 and in the
+ * family, whose least index is lo. Returns the new count. */
+PK_PERHAPS static int pk_append(struct pk_added *found, int count, int family, int output,
+                                ptrdiff_t i, ptrdiff_t lo, ptrdiff_t first, ptrdiff_t end,
+                                pk_real value)
+{
+    if (i < lo || i < first || i >= end)
+        return count;
+    found[count].family = family;
+    found[count].output = output;
+    found[count].i = i;
+    found[count].value = value;
+    return count + 1;
+}
+
+/* Adds the values of a family's members from .. from + n - 1 to r[output * width + i - from]. */
+PK_PERHAPS static void pk_add_to(const struct pk_added *found, int count, int family,
+                                 ptrdiff_t from, ptrdiff_t n, pk_real *r, ptrdiff_t width)
+{
+    int b;
+
+    for (b = 0; b < count; b++)
+        if (found[b].family == family && found[b].i >= from && found[b].i < from + n)
+            r[found[b].output * width + found[b].i - from] += found[b].value;
+}
+
+#endif
+
+/* Lists of terms with a value for each member or pair.
+ *
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+#ifndef PK_MEMBERS_LIST_H
+#define PK_MEMBERS_LIST_H
+
+/* A term with the indices m = at[over] .. at[over + 1]; one of pairs has j = at[over + 2] + first
+ * * m .. at[over + 3] + last * m too. */
+struct pk_terms {
+    pk_values *values;
+    int n_values, over, pairs, first, last;
+};
 
 /* Returns how many pairs the member m has, and the least index *j of its partners. */
 PK_PERHAPS static ptrdiff_t pk_partners(const struct pk_members *x, const struct pk_terms *of,
@@ -529,46 +235,46 @@ PK_PERHAPS static ptrdiff_t pk_partners(const struct pk_members *x, const struct
     return pk_most(0, x->at[of->over + 3] + of->last * m + 1 - *j);
 }
 
-/* Writes the values of the pairs m, j .. j + n - 1, n at most PK_BLOCK. All of them are members. */
-PK_PERHAPS static void pk_evaluate_pairs(const struct pk_members *x, const struct pk_terms *of,
-                                         ptrdiff_t m, ptrdiff_t j, ptrdiff_t n, pk_real *const *o)
+/* Writes the values of some terms, each with one for each member or pair, one behind the other.
+ * With `out` NULL it only counts them. */
+PK_PERHAPS static size_t pk_list(const struct pk_members *x, const struct pk_terms *of, int count,
+                                 pk_real *out)
 {
-    const pk_real *s[PK_MOST_SLOTS];
-    int i;
-
-    for (i = 0; i < of->n_slots; i++) {
-        const struct pk_slot *slot = of->slots + i;
-        const ptrdiff_t *range = pk_range_of_family(x, slot->family);
-        s[i] = slot->array == PK_OF_ZERO
-                   ? pk_zeros
-                   : x->arrays[slot->array] + range[0] + pk_index(x, slot, m, j) - range[1];
-    }
-    if (of->values(x, PK_IN_LANE, m, j, n, s, o))
-        (void)of->values(x, PK_CAREFULLY, m, j, n, s, o);
-}
-
-/* The sum of all values of some terms, with one value each; e has room for PK_BLOCK numbers. */
-PK_PERHAPS static pk_real pk_total(const struct pk_members *x, const struct pk_terms *of, int count,
-                                   pk_real *e)
-{
-    pk_real eight[8] = {0};
+    size_t found = 0;
     ptrdiff_t m, j, n, left;
 
     for (; count-- > 0; of++)
-        for (m = x->at[of->over]; m <= x->at[of->over + 1]; m += of->pairs ? 1 : n) {
-            n = pk_least(PK_BLOCK, x->at[of->over + 1] + 1 - m);
-            if (!of->pairs) {
-                pk_evaluate(x, of, m, m + n, &e);
-                pk_add_up(e, n, 1, eight);
-                continue;
+        for (m = x->at[of->over]; m <= x->at[of->over + 1]; m += of->pairs ? 1 : left) {
+            left = x->at[of->over + 1] + 1 - m;
+            j = m;
+            if (of->pairs)
+                left = pk_partners(x, of, m, &j);
+            for (n = 0; out && n < left; n += PK_BLOCK) {
+                pk_real *const to = out + found + n;
+                of->values(x, m, j + n, pk_least(PK_BLOCK, left - n), &to);
             }
-            for (left = pk_partners(x, of, m, &j); left > 0; left -= n, j += n) {
-                n = pk_least(left, PK_BLOCK);
-                pk_evaluate_pairs(x, of, m, j, n, &e);
-                pk_add_up(e, n, 1, eight);
-            }
+            found += (size_t)left;
         }
-    return pk_whole(eight);
+    return found;
+}
+
+/* Returns the member, or pair, that value number k of pk_list() belongs to. */
+PK_PERHAPS static void pk_listed(const struct pk_members *x, const struct pk_terms *of, size_t k,
+                                 ptrdiff_t *i, ptrdiff_t *j)
+{
+    *j = 0;
+    *i = x->at[of->over];
+    if (!of->pairs) {
+        *i += (ptrdiff_t)k;
+        return;
+    }
+    for (;; ++*i) {
+        const size_t n = (size_t)pk_partners(x, of, *i, j);
+        if (k < n)
+            break;
+        k -= n;
+    }
+    *j += (ptrdiff_t)k;
 }
 
 #endif
@@ -741,6 +447,18 @@ PK_INLINE static void pk_ldl_substitute(const struct pk_ldl *A, pk_real *x)
 #ifndef PK_MEMBERS_BAND_H
 #define PK_MEMBERS_BAND_H
 
+/* The ends of a family: see pk_home(). Its range is in the array `at` of struct pk_members: the
+ * number of its first member in arrays, its least and its greatest index. */
+struct pk_family {
+    int ring;
+    ptrdiff_t below, above;
+};
+
+PK_INLINE static const ptrdiff_t *pk_range_of_family(const struct pk_members *x, int family)
+{
+    return x->at + 3 * family;
+}
+
 /* Kinds of unknowns: coordinates, rows of constraints, other unknowns, and places that are none. */
 enum pk_unknown_kind { PK_COORDINATE, PK_ROW, PK_OTHER, PK_NONE };
 
@@ -756,6 +474,7 @@ struct pk_unknown {
 
 /* The order of unknowns: `slots` at each index, then `border` of which there is one each. */
 struct pk_layout {
+    const struct pk_family *families;
     const struct pk_unknown *unknowns;
     int slots, border;
     ptrdiff_t width;
@@ -791,7 +510,7 @@ PK_PERHAPS static struct pk_places pk_places_of(const struct pk_members *x,
         p.base = pk_least(p.base, range[1] + of->unknowns[k].ahead);
         if (of->unknowns[k].kind == PK_COORDINATE) {
             top = pk_most(top, range[2]);
-            if (x->families[of->unknowns[k].family].ring)
+            if (of->families[of->unknowns[k].family].ring)
                 ring = pk_least(ring, range[2]);
         }
     }
@@ -812,6 +531,15 @@ PK_PERHAPS static struct pk_places pk_places_of(const struct pk_members *x,
     return p;
 }
 
+/* The index of the member that index i of an unknown stands for; below the least if none. */
+PK_PERHAPS static ptrdiff_t pk_member(const struct pk_members *x, const struct pk_places *p,
+                                      const struct pk_unknown *of, ptrdiff_t i)
+{
+    const struct pk_family *own = p->of->families + of->family;
+    const ptrdiff_t *range = pk_range_of_family(x, of->family);
+    return pk_home(i, range[1], range[2], own->ring, own->below, own->above);
+}
+
 /* The place of an unknown at index i; -1 if it is given. */
 PK_PERHAPS static ptrdiff_t pk_place(const struct pk_members *x, const struct pk_places *p,
                                      int unknown, ptrdiff_t i)
@@ -821,7 +549,7 @@ PK_PERHAPS static ptrdiff_t pk_place(const struct pk_members *x, const struct pk
     if (unknown >= p->of->slots)
         return p->places + unknown - p->of->slots;
     if (u->homed) {
-        i = pk_home(x, u->family, i);
+        i = pk_member(x, p, u, i);
         if (i < pk_range_of_family(x, u->family)[1])
             return -1;
     }
@@ -943,7 +671,7 @@ PK_PERHAPS static ptrdiff_t pk_number(const struct pk_members *x, const struct p
     if (unknown >= p->of->slots)
         i = range[1];
     else if (u->homed)
-        i = pk_home(x, u->family, i);
+        i = pk_member(x, p, u, i);
     return i < range[1] ? -1 : range[0] + i - range[1];
 }
 
@@ -998,7 +726,7 @@ PK_PERHAPS static void pk_scatter(const struct pk_members *x, const struct pk_pl
 {
     const int numbers = to->use >= PK_TO_DIAGONAL && to->use <= PK_TO_PULL;
     const ptrdiff_t width = p->of->width, slots = p->of->slots;
-    pk_real *o[PK_MOST_SLOTS];
+    pk_real *o[PK_MOST_VALUES];
     int g, k, next = 0;
 
     for (k = 0; k < of->most; k++)
@@ -1011,7 +739,7 @@ PK_PERHAPS static void pk_scatter(const struct pk_members *x, const struct pk_pl
             next++;
         for (m = x->at[terms->over]; m <= x->at[terms->over + 1]; m += n) {
             n = pk_least(of->chunk, x->at[terms->over + 1] + 1 - m);
-            pk_evaluate(x, terms, m, m + n, o);
+            terms->values(x, 0, m, n, o);
             for (k = first; k < next; k++) {
                 const struct pk_entry *entry = of->entries + k;
                 const pk_real sign = (pk_real)entry->sign, *value = o[entry->value];
@@ -1344,64 +1072,54 @@ PK_PERHAPS static void pk_bands(const struct pk_members *x, const struct pk_plac
 #define PK_STAGES 32 /* kicks and drifts in one pass over memory */
 #define PK_MOST_CARRIED 64
 
+/* The rows of an acceleration that depends on coordinates alone. kick() makes v += kappa a and q
+ * += delta v for the rows from .. from + n - 1 of all families, n at most `chunk`. The first
+ * `known` columns of e have the values of terms already. drift() makes q += delta v alone. */
+struct pk_kicks {
+    void (*kick)(const struct pk_members *x, ptrdiff_t from, ptrdiff_t n, ptrdiff_t known,
+                 pk_real *e, pk_real kappa, pk_real delta, pk_real *q, pk_real *v);
+    void (*drift)(const struct pk_members *x, ptrdiff_t from, ptrdiff_t n, pk_real delta,
+                  pk_real *q, const pk_real *v);
+    ptrdiff_t first, end; /* rows */
+    /* e has `values` rows of `width` columns, `halo` of them for terms before the first row. */
+    ptrdiff_t chunk, halo, width;
+    int values;
+};
+
 /* Kicks and drifts the rows from .. to - 1, at most a chunk. `carried` has the values of terms
  * before the row `from` (none if `known` is 0), and then those before the row `to`. */
-PK_PERHAPS static void pk_stage(const struct pk_members *x, const struct pk_vector *of, pk_real *e,
+PK_PERHAPS static void pk_stage(const struct pk_members *x, const struct pk_kicks *of, pk_real *e,
                                 pk_real *carried, int known, ptrdiff_t from, ptrdiff_t to,
                                 pk_real kappa, pk_real delta, pk_real *q, pk_real *v)
 {
-    struct pk_addition added[PK_MOST_ADDITIONS];
-    const ptrdiff_t h = of->most - of->least;
-    pk_real a[PK_BLOCK], *at = a;
+    const ptrdiff_t h = of->halo;
     ptrdiff_t k;
-    int g, i, n_added;
+    int i;
 
-    for (i = 0; known && i < of->n_values; i++)
+    for (i = 0; known && i < of->values; i++)
         for (k = 0; k < h; k++)
             e[i * of->width + k] = carried[i * h + k];
-    n_added = pk_additions(x, of, e + of->n_values * of->width, added, NULL, from, to);
-    pk_fill(x, of, from, to - from, known ? h : 0, e);
-    for (g = 0; g < of->n_sets; g++) {
-        const struct pk_row_set *set = of->sets + g;
-        const ptrdiff_t *range = pk_range_of_family(x, set->family);
-        const ptrdiff_t lo = pk_most(from, range[1]), n = pk_least(to, range[2] + 1) - lo;
-        pk_real *const own_q = q + range[0] + lo - range[1], *const own_v = v + range[0] + lo -
-                                                                            range[1];
-        if (n <= 0)
-            continue;
-        if (!n_added) {
-            set->kick(e + of->most + (lo - from), n, kappa, delta, own_q, own_v);
-            continue;
-        }
-        (void)pk_some_rows(of, set, lo, lo + n, e + of->most + (lo - from), added, n_added, &at);
-        for (k = 0; k < n; k++) {
-            own_v[k] += kappa * a[k];
-            own_q[k] += delta * own_v[k];
-        }
-    }
-    for (i = 0; i < of->n_values; i++)
+    of->kick(x, from, to - from, known ? h : 0, e, kappa, delta, q, v);
+    for (i = 0; i < of->values; i++)
         for (k = 0; k < h; k++)
             carried[i * h + k] = e[i * of->width + (to - from) + k];
 }
 
 /* One pass over memory: `count` stages, each a kick by kappa[s] at time[s] and a drift by
  * delta[s]. Stage s follows stage s - 1 at a distance of `lag` rows. */
-PK_PERHAPS static void pk_one_pass(struct pk_members *x, const struct pk_vector *of, pk_real *e,
+PK_PERHAPS static void pk_one_pass(struct pk_members *x, const struct pk_kicks *of, pk_real *e,
                                    ptrdiff_t lag, int count, const pk_real *time,
                                    const pk_real *delta, const pk_real *kappa, pk_real *q,
                                    pk_real *v)
 {
     pk_real carried[PK_STAGES][PK_MOST_CARRIED];
-    ptrdiff_t first = PTRDIFF_MAX, end = PTRDIFF_MIN, done[PK_STAGES], begin;
-    int g, s;
+    const ptrdiff_t end = of->end;
+    ptrdiff_t done[PK_STAGES], begin;
+    int s;
 
-    for (g = 0; g < of->n_sets; g++) {
-        first = pk_least(first, pk_range_of_family(x, of->sets[g].family)[1]);
-        end = pk_most(end, pk_range_of_family(x, of->sets[g].family)[2] + 1);
-    }
     for (s = 0; s < count; s++)
-        done[s] = first;
-    for (begin = first; done[count - 1] < end; begin += of->chunk)
+        done[s] = of->first;
+    for (begin = of->first; done[count - 1] < end; begin += of->chunk)
         for (s = 0; s < count; s++) {
             const ptrdiff_t ahead = s == 0               ? begin + of->chunk
                                     : done[s - 1] == end ? end
@@ -1417,24 +1135,22 @@ PK_PERHAPS static void pk_one_pass(struct pk_members *x, const struct pk_vector 
                 done[s] = pk_least(to, from + of->chunk);
                 if (done[s] < to && to - done[s] < lag)
                     done[s] = to - lag;
-                pk_stage(x, of, e, carried[s], from > first, from, done[s], kappa[s], delta[s], q,
-                         v);
+                pk_stage(x, of, e, carried[s], from > of->first, from, done[s], kappa[s], delta[s],
+                         q, v);
             }
         }
 }
 
 /* A kick and a drift of a ring. The `trail` rows at both ends, whose terms reach around it, are
  * kicked first and drift last. */
-PK_PERHAPS static void pk_around(const struct pk_members *x, const struct pk_vector *of, pk_real *e,
+PK_PERHAPS static void pk_around(const struct pk_members *x, const struct pk_kicks *of, pk_real *e,
                                  ptrdiff_t trail, pk_real kappa, pk_real delta, pk_real *q,
                                  pk_real *v)
 {
-    const ptrdiff_t *range = pk_range_of_family(x, of->sets[0].family);
-    const ptrdiff_t first = range[1], end = range[2] + 1;
+    const ptrdiff_t first = of->first, end = of->end;
     const ptrdiff_t low = pk_least(first + trail, end), high = pk_most(low, end - trail);
     pk_real carried[PK_MOST_CARRIED];
-    ptrdiff_t from, to, k;
-    int g;
+    ptrdiff_t from, to;
 
     if (low > first)
         pk_stage(x, of, e, carried, 0, first, low, kappa, 0, q, v);
@@ -1444,28 +1160,24 @@ PK_PERHAPS static void pk_around(const struct pk_members *x, const struct pk_vec
         to = pk_least(high, from + of->chunk);
         pk_stage(x, of, e, carried, from > low, from, to, kappa, delta, q, v);
     }
-    for (g = 0; g < of->n_sets; g++) {
-        const ptrdiff_t place = pk_range_of_family(x, of->sets[g].family)[0] - first;
-        for (k = first; k < end; k = k + 1 == low ? high : k + 1)
-            q[place + k] += delta * v[place + k];
-    }
+    of->drift(x, first, low - first, delta, q, v);
+    of->drift(x, high, end - high, delta, q, v);
 }
 
 /* Makes `steps` steps of h from time t, in place: kicks v += kick[i] h a(q, t) for i = 0 ..
  * stages, and drifts q += drift[i] h v between them. The last kick of a step and the first of the
- * next are one. e has the room that two of pk_compute() need; n is the number of coordinates.
- * With a lag, terms of rows from m on read no rows before m, and none m + lag or further; the
- * stages of several steps are then made in one pass over memory. Rings of equal length have minus
- * this lag. */
-PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_vector *of, pk_real *e,
+ * next are one. With a lag, terms of rows from m on read no rows before m, and none m + lag or
+ * further; the stages of several steps are then made in one pass over memory. Rings of equal
+ * length have minus this lag. Without a lag each kick is one pass, and so is each drift. */
+PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_kicks *of, pk_real *e,
                                   ptrdiff_t lag, int stages, const pk_real *kick,
                                   const pk_real *drift, pk_real t, pk_real h, unsigned long steps,
-                                  ptrdiff_t n, pk_real *q, pk_real *v)
+                                  pk_real *q, pk_real *v)
 {
     const pk_real ends = kick[stages] * h;
     pk_real time[PK_STAGES], delta[PK_STAGES], kappa[PK_STAGES];
+    ptrdiff_t from, to;
     unsigned long k;
-    ptrdiff_t j;
     int i, count = 0;
 
     for (k = 0; k <= steps && steps; k++) {
@@ -1478,19 +1190,23 @@ PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_vector *
                                         : kick[0] * h;
             delta[count] = k < steps ? drift[i] * h : 0;
             done += k < steps ? drift[i] : 0;
-            if (lag < 0) {
-                x->t = time[0];
-                pk_around(x, of, e, -lag, kappa[0], delta[0], q, v);
-            } else if (!lag) {
-                x->t = time[0];
-                if (kappa[0] > 0 || kappa[0] < 0)
-                    (void)pk_compute(x, of, e, &v, v, kappa[0]);
-                for (j = 0; j < n; j++)
-                    q[j] += delta[0] * v[j];
-            } else if (++count == PK_STAGES) {
-                pk_one_pass(x, of, e, lag, count, time, delta, kappa, q, v);
-                count = 0;
+            if (lag > 0) {
+                if (++count == PK_STAGES) {
+                    pk_one_pass(x, of, e, lag, count, time, delta, kappa, q, v);
+                    count = 0;
+                }
+                continue;
             }
+            x->t = time[0];
+            if (lag < 0) {
+                pk_around(x, of, e, -lag, kappa[0], delta[0], q, v);
+                continue;
+            }
+            for (from = of->first; (kappa[0] > 0 || kappa[0] < 0) && from < of->end; from = to) {
+                to = pk_least(of->end, from + of->chunk);
+                of->kick(x, from, to - from, 0, e, kappa[0], 0, q, v);
+            }
+            of->drift(x, of->first, of->end - of->first, delta[0], q, v);
         }
     }
     if (count)
@@ -1498,8 +1214,6 @@ PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_vector *
 }
 
 #endif
-
-static pk_real fput_given(const struct pk_members *x, int family, int order, ptrdiff_t i);
 
 void fput_sizes(struct fput_params *p)
 {
@@ -1527,7 +1241,8 @@ static const struct pk_family fput_families[1] = {
     {0, 0, 0}};
 static const struct pk_unknown fput_slopes_unknowns[1] = {
     {PK_COORDINATE, 0, 1, 0, 0, 0}};
-static const struct pk_layout fput_slopes_layout = {fput_slopes_unknowns, 1, 0, 1, 0, 0};
+static const struct pk_layout fput_slopes_layout = {
+    fput_families, fput_slopes_unknowns, 1, 0, 1, 0, 0};
 
 /* Ranges of families and of sums, and places in memory, for the sizes in p. */
 static ptrdiff_t fput_place(struct fput_params *p)
@@ -1536,29 +1251,18 @@ static ptrdiff_t fput_place(struct fput_params *p)
 
     (void)p;
     at[0] = 0, at[1] = 1, at[2] = p->N;
-    at[3] = 0;
+    at[3] = 1;
     at[4] = p->N;
-    at[5] = 1;
+    at[5] = 0;
     at[6] = p->N;
     at[7] = 0;
     return at[7];
 }
 
-PK_PERHAPS static struct pk_members fput_members(const struct fput_params *p, pk_real t,
-                                                 const pk_real *q, const pk_real *v,
-                                                 const pk_real *u)
-{
-    struct pk_members x = {p, fput_families, p->at_, fput_given, t, u, {NULL}};
-
-    x.arrays[PK_OF_Q] = q;
-    x.arrays[PK_OF_V] = v;
-    return x;
-}
-
 size_t fput_block_size(const struct fput_params *p)
 {
     struct fput_params own = *p;
-    ptrdiff_t reals;
+    ptrdiff_t reals = 0;
 
     if (!fput_fits(p))
         return 0;
@@ -1627,184 +1331,89 @@ void fput_start(const struct fput_params *p, pk_real *q, pk_real *v)
     }
 }
 
-/* Values, rates and accelerations of given members. */
-static pk_real fput_given(const struct pk_members *x, int family, int order, ptrdiff_t i)
+PK_PERHAPS static pk_real fput_read_q(const struct pk_members *x, ptrdiff_t i)
 {
-    const struct fput_params *p = (const struct fput_params *)x->params;
-    const pk_real t = x->t, *const u = x->u;
+    const struct fput_params *const p = (const struct fput_params *)x->params;
 
-    (void)p, (void)t, (void)u, (void)family, (void)order, (void)i;
-    return 0;
+    return i >= 1 && i <= p->N ? x->q[i - 1] : 0;
+}
+
+static const pk_real *fput_row_q(const struct pk_members *x, ptrdiff_t from, ptrdiff_t n,
+                                 pk_real *room)
+{
+    const struct fput_params *const p = (const struct fput_params *)x->params;
+
+    return pk_row(x, x->q + 0, fput_read_q, 1, p->N, from, n, room);
 }
 
 PK_TERM(fput_force_0)
 {
     const struct fput_params *const p = (const struct fput_params *)x->params;
 
-    const pk_real q_ = s[0][k];
-    const pk_real q_p1 = s[1][k];
-    const pk_real q_p1_minus_q_ = q_p1 - q_;
-    o[0][k] = p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
-    return 0;
-}
-PK_TERMS(fput_force_0)
-
-static const struct pk_slot fput_force_0_reads[2] = {
-    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
-static const struct pk_terms fput_force_terms[1] = {
-    {fput_force_0, fput_force_0_reads, 2, 1, 3, 0, 0, 0}};
-
-static pk_bits fput_force_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
-{
     ptrdiff_t k;
+    pk_real q__row_room[PK_BLOCK + 1];
+    const pk_real *const q__row = fput_row_q(x, from, n + 1, q__row_room);
+    const pk_real p_alpha = p->alpha;
 
     PK_LANE_LOOP
     for (k = 0; k < n; k++) {
-        out[0][k] = e[k] - e[k - 1];
+        const pk_real q_ = q__row[k];
+        const pk_real q_p1 = q__row[k + 1];
+        const pk_real q_p1_minus_q_ = q_p1 - q_;
+        o[0][k] = p_alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
     }
-    return 0;
 }
-
-static const struct pk_row_set fput_force_sets[1] = {
-    {0, 0, 0, fput_force_q, fput_force_q, NULL}};
-static const struct pk_vector fput_force_of = {
-    fput_force_terms, NULL, NULL, 1, 0, 0, 1, 1, 0, {0, 0, 0}, fput_force_sets, NULL, {NULL, NULL,
-    NULL}, PK_STORE, 1, 512, 0, 1, 513};
 
 PK_TERM(fput_canonical_0)
 {
-    const pk_real q_dot = s[0][k];
-    o[0][k] = q_dot;
-    return 0;
-}
-PK_TERMS(fput_canonical_0)
-
-static const struct pk_slot fput_canonical_0_reads[1] = {
-    {PK_OF_V, 1, 0, 1, 0, 0, 0}};
-static const struct pk_terms fput_canonical_terms[2] = {
-    {fput_canonical_0, fput_canonical_0_reads, 1, 1, 5, 0, 0, 0}, {fput_force_0,
-    fput_force_0_reads, 2, 1, 3, 0, 0, 0}};
-
-static pk_bits fput_canonical_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
-{
     ptrdiff_t k;
+    const pk_real *const q_dot_row = x->v + from - 1;
 
     PK_LANE_LOOP
     for (k = 0; k < n; k++) {
-        out[0][k] = e[k];
-        out[1][k] = e[k + 513] - e[k + 512];
+        const pk_real q_dot = q_dot_row[k];
+        o[0][k] = q_dot;
     }
-    return 0;
 }
 
-static const struct pk_row_set fput_canonical_sets[1] = {
-    {0, 0, 0, fput_canonical_q, fput_canonical_q, NULL}};
-static const struct pk_vector fput_canonical_of = {
-    fput_canonical_terms, NULL, NULL, 2, 0, 0, 2, 1, 0, {0, 0, 0}, fput_canonical_sets, NULL,
-    {NULL, NULL, NULL}, PK_STORE, 2, 512, 0, 1, 513};
+static void fput_acceleration_kick(const struct pk_members *x, ptrdiff_t from, ptrdiff_t n,
+                                   ptrdiff_t known, pk_real *e, pk_real kappa, pk_real delta,
+                                   pk_real *q, pk_real *v)
+{
+    const struct fput_params *const p = (const struct fput_params *)x->params;
 
-static const struct pk_terms fput_momenta_terms[1] = {
-    {fput_canonical_0, fput_canonical_0_reads, 1, 1, 5, 0, 0, 0}};
+    ptrdiff_t k;
 
-static pk_bits fput_momenta_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
+    pk_fill(x, fput_force_0, 1, 0, p->N, from - 1 + known, n + 1 - known, e + known, 513);
+    PK_LANE_LOOP
+    for (k = 0; k < n; k++) {
+        v[from - 1 + k] += kappa * (e[k + 1] - e[k]);
+        q[from - 1 + k] += delta * v[from - 1 + k];
+    }
+}
+
+static void fput_acceleration_drift(const struct pk_members *x, ptrdiff_t from, ptrdiff_t n,
+                                    pk_real delta, pk_real *q, const pk_real *v)
 {
     ptrdiff_t k;
 
+    (void)x;
     PK_LANE_LOOP
-    for (k = 0; k < n; k++) {
-        out[0][k] = e[k];
-    }
-    return 0;
+    for (k = 0; k < n; k++)
+        q[from - 1 + k] += delta * v[from - 1 + k];
 }
-
-static const struct pk_row_set fput_momenta_sets[1] = {
-    {0, 0, 0, fput_momenta_q, fput_momenta_q, NULL}};
-static const struct pk_vector fput_momenta_of = {
-    fput_momenta_terms, NULL, NULL, 1, 0, 0, 1, 1, 0, {0, 0, 0}, fput_momenta_sets, NULL, {NULL,
-    NULL, NULL}, PK_STORE, 1, 512, 0, 0, 512};
-
-static const struct pk_terms fput_gradient_terms[1] = {
-    {fput_force_0, fput_force_0_reads, 2, 1, 3, 0, 0, 0}};
-
-static pk_bits fput_gradient_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
-{
-    ptrdiff_t k;
-
-    PK_LANE_LOOP
-    for (k = 0; k < n; k++) {
-        out[0][k] = e[k] - e[k - 1];
-    }
-    return 0;
-}
-
-static const struct pk_row_set fput_gradient_sets[1] = {
-    {0, 0, 0, fput_gradient_q, fput_gradient_q, NULL}};
-static const struct pk_vector fput_gradient_of = {
-    fput_gradient_terms, NULL, NULL, 1, 0, 0, 1, 1, 0, {0, 0, 0}, fput_gradient_sets, NULL, {NULL,
-    NULL, NULL}, PK_STORE, 1, 512, 0, 1, 513};
-
-static const struct pk_terms fput_acceleration_terms[1] = {
-    {fput_force_0, fput_force_0_reads, 2, 1, 3, 0, 0, 0}};
-
-static pk_bits fput_acceleration_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
-{
-    ptrdiff_t k;
-
-    PK_LANE_LOOP
-    for (k = 0; k < n; k++) {
-        out[0][k] = e[k] - e[k - 1];
-    }
-    return 0;
-}
-
-static void fput_acceleration_q_kick(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real kappa, pk_real delta,
-    pk_real *q, pk_real *v)
-{
-    ptrdiff_t k;
-
-    PK_LANE_LOOP
-    for (k = 0; k < n; k++) {
-        v[k] += kappa * (e[k] - e[k - 1]);
-        q[k] += delta * v[k];
-    }
-}
-
-static const struct pk_row_set fput_acceleration_sets[1] = {
-    {0, 0, 0, fput_acceleration_q, fput_acceleration_q, fput_acceleration_q_kick}};
-static const struct pk_vector fput_acceleration_of = {
-    fput_acceleration_terms, NULL, NULL, 1, 0, 0, 1, 1, 0, {0, 0, 0}, fput_acceleration_sets,
-    NULL, {NULL, NULL, NULL}, PK_STORE, 1, 512, 0, 1, 513};
 
 PK_TERM(fput_mass_0)
 {
-    o[0][k] = 1;
-    return 0;
-}
-PK_TERMS(fput_mass_0)
-
-static const struct pk_terms fput_mass_terms[1] = {
-    {fput_mass_0, NULL, 0, 1, 5, 0, 0, 0}};
-
-static pk_bits fput_mass_q(PK_PERHAPS const pk_real *e, ptrdiff_t n, pk_real *const *out)
-{
     ptrdiff_t k;
 
     PK_LANE_LOOP
-    for (k = 0; k < n; k++) {
-        out[0][k] = e[k];
-    }
-    return 0;
+    for (k = 0; k < n; k++)
+        o[0][k] = 1;
 }
 
-static const struct pk_row_set fput_mass_sets[1] = {
-    {0, 0, 0, fput_mass_q, fput_mass_q, NULL}};
-static const struct pk_vector fput_mass_of = {
-    fput_mass_terms, NULL, NULL, 1, 0, 0, 1, 1, 0, {0, 0, 0}, fput_mass_sets, NULL, {NULL, NULL,
-    NULL}, PK_STORE, 1, 512, 0, 0, 512};
-
 static const struct pk_terms fput_slopes_mass_terms[1] = {
-    {fput_mass_0, NULL, 0, 1, 5, 0, 0, 0}};
-
+    {fput_mass_0, 1, 3, 0, 0, 0}};
 static const struct pk_entry fput_slopes_mass_entries[1] = {
     {0, 0, 1, 0, {0, 1, 0, 0}, {0, 1, 0, 0}}};
 static const struct pk_matrix fput_slopes_mass_of = {
@@ -1814,20 +1423,23 @@ PK_TERM(fput_slopes_jacobian_0)
 {
     const struct fput_params *const p = (const struct fput_params *)x->params;
 
-    const pk_real q_ = s[0][k];
-    const pk_real q_p1 = s[1][k];
-    const pk_real t1 = p->c_[1] * (q_p1 - q_);
-    o[0][k] = 1 + t1;
-    o[1][k] = 1 + t1;
-    return 0;
+    ptrdiff_t k;
+    pk_real q__row_room[PK_BLOCK + 1];
+    const pk_real *const q__row = fput_row_q(x, from, n + 1, q__row_room);
+    const pk_real p_c1 = p->c_[1];
+
+    PK_LANE_LOOP
+    for (k = 0; k < n; k++) {
+        const pk_real q_ = q__row[k];
+        const pk_real q_p1 = q__row[k + 1];
+        const pk_real t1 = p_c1 * (q_p1 - q_);
+        o[0][k] = 1 + t1;
+        o[1][k] = 1 + t1;
+    }
 }
-PK_TERMS(fput_slopes_jacobian_0)
 
-static const struct pk_slot fput_slopes_jacobian_0_reads[2] = {
-    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
 static const struct pk_terms fput_slopes_jacobian_terms[1] = {
-    {fput_slopes_jacobian_0, fput_slopes_jacobian_0_reads, 2, 2, 3, 0, 0, 0}};
-
+    {fput_slopes_jacobian_0, 2, 5, 0, 0, 0}};
 static const struct pk_entry fput_slopes_jacobian_entries[4] = {
     {0, 0, 1, 1, {0, 1, 0, 0}, {0, 1, 1, 0}}, {0, 0, -1, 1, {0, 1, 0, 0}, {0, 1, 0, 0}}, {0, 0,
     -1, 1, {0, 1, 1, 0}, {0, 1, 1, 0}}, {0, 1, 1, 1, {0, 1, 1, 0}, {0, 1, 0, 0}}};
@@ -1836,65 +1448,72 @@ static const struct pk_matrix fput_slopes_jacobian_of = {
 
 PK_TERM(fput_energy_0)
 {
-    const pk_real q_dot = s[0][k];
-    o[0][k] = PK_C(0.5) * q_dot * q_dot;
-    return 0;
-}
-PK_TERMS(fput_energy_0)
+    ptrdiff_t k;
+    const pk_real *const q_dot_row = x->v + from - 1;
 
-static const struct pk_slot fput_energy_0_reads[1] = {
-    {PK_OF_V, 1, 0, 1, 0, 0, 0}};
+    PK_LANE_LOOP
+    for (k = 0; k < n; k++) {
+        const pk_real q_dot = q_dot_row[k];
+        o[0][k] = PK_C(0.5) * q_dot * q_dot;
+    }
+}
+
 PK_TERM(fput_energy_1)
 {
     const struct fput_params *const p = (const struct fput_params *)x->params;
 
-    const pk_real q_ = s[0][k];
-    const pk_real q_p1 = s[1][k];
-    const pk_real q_p1_minus_q_ = q_p1 - q_;
-    o[0][k] = q_p1_minus_q_ * q_p1_minus_q_ * (PK_C(0.5) + p->c_[0] * q_p1_minus_q_);
-    return 0;
-}
-PK_TERMS(fput_energy_1)
+    ptrdiff_t k;
+    pk_real q__row_room[PK_BLOCK + 1];
+    const pk_real *const q__row = fput_row_q(x, from, n + 1, q__row_room);
+    const pk_real p_c0 = p->c_[0];
 
-static const struct pk_slot fput_energy_1_reads[2] = {
-    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
-static const struct pk_terms fput_energy_terms[2] = {
-    {fput_energy_0, fput_energy_0_reads, 1, 1, 5, 0, 0, 0}, {fput_energy_1, fput_energy_1_reads,
-    2, 1, 3, 0, 0, 0}};
+    PK_LANE_LOOP
+    for (k = 0; k < n; k++) {
+        const pk_real q_ = q__row[k];
+        const pk_real q_p1 = q__row[k + 1];
+        const pk_real q_p1_minus_q_ = q_p1 - q_;
+        o[0][k] = q_p1_minus_q_ * q_p1_minus_q_ * (PK_C(0.5) + p_c0 * q_p1_minus_q_);
+    }
+}
 
 PK_TERM(fput_lagrangian_1)
 {
     const struct fput_params *const p = (const struct fput_params *)x->params;
 
-    const pk_real q_ = s[0][k];
-    const pk_real q_p1 = s[1][k];
-    const pk_real q_p1_minus_q_ = q_p1 - q_;
-    o[0][k] = -q_p1_minus_q_ * q_p1_minus_q_ * (PK_C(0.5) + p->c_[0] * q_p1_minus_q_);
-    return 0;
+    ptrdiff_t k;
+    pk_real q__row_room[PK_BLOCK + 1];
+    const pk_real *const q__row = fput_row_q(x, from, n + 1, q__row_room);
+    const pk_real p_c0 = p->c_[0];
+
+    PK_LANE_LOOP
+    for (k = 0; k < n; k++) {
+        const pk_real q_ = q__row[k];
+        const pk_real q_p1 = q__row[k + 1];
+        const pk_real q_p1_minus_q_ = q_p1 - q_;
+        o[0][k] = -q_p1_minus_q_ * q_p1_minus_q_ * (PK_C(0.5) + p_c0 * q_p1_minus_q_);
+    }
 }
-PK_TERMS(fput_lagrangian_1)
-
-static const struct pk_slot fput_lagrangian_1_reads[2] = {
-    {PK_OF_Q, 0, 0, 1, 0, 0, 0}, {PK_OF_Q, 0, 0, 1, 0, 1, 0}};
-static const struct pk_terms fput_lagrangian_terms[2] = {
-    {fput_energy_0, fput_energy_0_reads, 1, 1, 5, 0, 0, 0}, {fput_lagrangian_1,
-    fput_lagrangian_1_reads, 2, 1, 3, 0, 0, 0}};
-
-static const struct pk_terms fput_kinetic_terms[1] = {
-    {fput_energy_0, fput_energy_0_reads, 1, 1, 5, 0, 0, 0}};
-
-static const struct pk_terms fput_potential_terms[1] = {
-    {fput_energy_1, fput_energy_1_reads, 2, 1, 3, 0, 0, 0}};
 
 
 /* f = pdot - (dp/dq) v - dp/dt. */
 void fput_force(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                 const pk_real *u, pk_real *PK_RESTRICT f)
 {
+    const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
+
     {
-        pk_real e[513], *const to[] = {f};
-        const struct pk_members x = fput_members(p, t, q, v, u);
-        (void)pk_compute(&x, &fput_force_of, e, to, NULL, 0);
+        pk_real e[513];
+        ptrdiff_t from, n, k, known = 0;
+
+        for (from = 1; from <= p->N; from += n) {
+            n = pk_least(512, p->N + 1 - from);
+            pk_fill(x, fput_force_0, 1, 0, p->N, from - 1 + known, n + 1 - known, e + known, 513);
+            PK_LANE_LOOP
+            for (k = 0; k < n; k++)
+                f[from - 1 + k] = e[k + 1] - e[k];
+            pk_keep(e, 1, 513, n, 1);
+            known = 1;
+        }
     }
 }
 
@@ -1902,10 +1521,26 @@ void fput_force(const struct fput_params *p, pk_real t, const pk_real *q, const 
 void fput_canonical(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                     const pk_real *u, pk_real *PK_RESTRICT momenta, pk_real *PK_RESTRICT pdot)
 {
+    const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
+
     {
-        pk_real e[1026], *const to[] = {momenta, pdot};
-        const struct pk_members x = fput_members(p, t, q, v, u);
-        (void)pk_compute(&x, &fput_canonical_of, e, to, NULL, 0);
+        pk_real e[1026];
+        ptrdiff_t from, n, k, known = 0;
+
+        for (from = 1; from <= p->N; from += n) {
+            n = pk_least(512, p->N + 1 - from);
+            pk_fill(x, fput_canonical_0, 1, 1, p->N, from - 1 + known, n + 1 - known, e + known,
+                513);
+            pk_fill(x, fput_force_0, 1, 0, p->N, from - 1 + known, n + 1 - known, e + known + 513,
+                513);
+            PK_LANE_LOOP
+            for (k = 0; k < n; k++) {
+                momenta[from - 1 + k] = e[k + 1];
+                pdot[from - 1 + k] = e[k + 514] - e[k + 513];
+            }
+            pk_keep(e, 2, 513, n, 1);
+            known = 1;
+        }
     }
 }
 
@@ -1913,10 +1548,19 @@ void fput_canonical(const struct fput_params *p, pk_real t, const pk_real *q, co
 void fput_momenta(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                   const pk_real *u, pk_real *PK_RESTRICT momenta)
 {
+    const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
+
     {
-        pk_real e[512], *const to[] = {momenta};
-        const struct pk_members x = fput_members(p, t, q, v, u);
-        (void)pk_compute(&x, &fput_momenta_of, e, to, NULL, 0);
+        pk_real e[512];
+        ptrdiff_t from, n, k;
+
+        for (from = 1; from <= p->N; from += n) {
+            n = pk_least(512, p->N + 1 - from);
+            pk_fill(x, fput_canonical_0, 1, 1, p->N, from, n, e, 512);
+            PK_LANE_LOOP
+            for (k = 0; k < n; k++)
+                momenta[from - 1 + k] = e[k];
+        }
     }
 }
 
@@ -1924,10 +1568,21 @@ void fput_momenta(const struct fput_params *p, pk_real t, const pk_real *q, cons
 void fput_gradient(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, pk_real *PK_RESTRICT dLdq)
 {
+    const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
+
     {
-        pk_real e[513], *const to[] = {dLdq};
-        const struct pk_members x = fput_members(p, t, q, v, u);
-        (void)pk_compute(&x, &fput_gradient_of, e, to, NULL, 0);
+        pk_real e[513];
+        ptrdiff_t from, n, k, known = 0;
+
+        for (from = 1; from <= p->N; from += n) {
+            n = pk_least(512, p->N + 1 - from);
+            pk_fill(x, fput_force_0, 1, 0, p->N, from - 1 + known, n + 1 - known, e + known, 513);
+            PK_LANE_LOOP
+            for (k = 0; k < n; k++)
+                dLdq[from - 1 + k] = e[k + 1] - e[k];
+            pk_keep(e, 1, 513, n, 1);
+            known = 1;
+        }
     }
 }
 
@@ -1939,10 +1594,19 @@ size_t fput_mass_size(const struct fput_params *p)
 void fput_mass(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                const pk_real *u, pk_real *PK_RESTRICT M)
 {
+    const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
+
     {
-        pk_real e[512], *const to[] = {M};
-        const struct pk_members x = fput_members(p, t, q, v, u);
-        (void)pk_compute(&x, &fput_mass_of, e, to, NULL, 0);
+        pk_real e[512];
+        ptrdiff_t from, n, k;
+
+        for (from = 1; from <= p->N; from += n) {
+            n = pk_least(512, p->N + 1 - from);
+            pk_fill(x, fput_mass_0, 1, 1, p->N, from, n, e, 512);
+            PK_LANE_LOOP
+            for (k = 0; k < n; k++)
+                M[from - 1 + k] = e[k];
+        }
     }
 }
 
@@ -1963,20 +1627,16 @@ static int fput_pivot(const struct fput_params *p, pk_real t, const pk_real *q, 
 int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                       const pk_real *u, pk_real *PK_RESTRICT a)
 {
+    fput_force(p, t, q, v, u, a);
     pk_bits bad = 0;
 
-    {
-        pk_real e[513], *const to[] = {a};
-        const struct pk_members x = fput_members(p, t, q, v, u);
-        bad |= pk_compute(&x, &fput_acceleration_of, e, to, NULL, 0);
-    }
     return bad ? fput_pivot(p, t, q, v, u, a) : 0;
 }
 
 void fput_slopes_pattern(const struct fput_params *p, size_t *rows, size_t *width, size_t *border)
 {
-    const struct pk_members x = fput_members(p, 0, NULL, NULL, NULL);
-    const struct pk_places S = pk_places_of(&x, &fput_slopes_layout);
+    const struct pk_members state = {p, p->at_, 0, NULL, NULL, NULL}, *const x = &state;
+    const struct pk_places S = pk_places_of(x, &fput_slopes_layout);
     *rows = (size_t)S.banded;
     *width = (size_t)S.of->width;
     *border = (size_t)(S.all - S.banded);
@@ -1985,19 +1645,19 @@ void fput_slopes_pattern(const struct fput_params *p, size_t *rows, size_t *widt
 /* Where the coordinate of a place is in q; -1 where the place is empty. */
 ptrdiff_t fput_slopes_place(const struct fput_params *p, size_t i)
 {
-    const struct pk_members x = fput_members(p, 0, NULL, NULL, NULL);
-    const struct pk_places S = pk_places_of(&x, &fput_slopes_layout);
-    return pk_in_place(&x, &S, (ptrdiff_t)i);
+    const struct pk_members state = {p, p->at_, 0, NULL, NULL, NULL}, *const x = &state;
+    const struct pk_places S = pk_places_of(x, &fput_slopes_layout);
+    return pk_in_place(x, &S, (ptrdiff_t)i);
 }
 
 void fput_slopes_mass(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                       const pk_real *u, pk_real *PK_RESTRICT M)
 {
     pk_real e[512];
-    const struct pk_members x = fput_members(p, t, q, v, u);
-    const struct pk_places S = pk_places_of(&x, &fput_slopes_layout);
+    const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
+    const struct pk_places S = pk_places_of(x, &fput_slopes_layout);
 
-    pk_bands(&x, &S, &fput_slopes_mass_of, e, 2, 1, M, NULL, NULL);
+    pk_bands(x, &S, &fput_slopes_mass_of, e, 2, 1, M, NULL, NULL);
 }
 
 void fput_slopes_jacobian(const struct fput_params *p, pk_real t, const pk_real *q,
@@ -2005,56 +1665,71 @@ void fput_slopes_jacobian(const struct fput_params *p, pk_real t, const pk_real 
                           pk_real *PK_RESTRICT pdot_q, pk_real *PK_RESTRICT pdot_v)
 {
     pk_real e[1024];
-    const struct pk_members x = fput_members(p, t, q, v, u);
-    const struct pk_places S = pk_places_of(&x, &fput_slopes_layout);
+    const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
+    const struct pk_places S = pk_places_of(x, &fput_slopes_layout);
 
-    pk_bands(&x, &S, &fput_slopes_jacobian_of, e, 0, 3, p_q, pdot_q, pdot_v);
+    pk_bands(x, &S, &fput_slopes_jacobian_of, e, 0, 3, p_q, pdot_q, pdot_v);
 }
 
 /* h = v.p - L. */
 pk_real fput_energy(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                     const pk_real *u)
 {
-    pk_real e[PK_BLOCK];
-    const struct pk_members x = fput_members(p, t, q, v, u);
-    return pk_total(&x, fput_energy_terms, 2, e);
+    const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
+    pk_real eight[8] = {0};
+
+    pk_sum(x, fput_energy_0, 1, p->N, eight);
+    pk_sum(x, fput_energy_1, 0, p->N, eight);
+    return pk_whole(eight);
+
 }
 
 /* L. */
 pk_real fput_lagrangian(const struct fput_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u)
 {
-    pk_real e[PK_BLOCK];
-    const struct pk_members x = fput_members(p, t, q, v, u);
-    return pk_total(&x, fput_lagrangian_terms, 2, e);
+    const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
+    pk_real eight[8] = {0};
+
+    pk_sum(x, fput_energy_0, 1, p->N, eight);
+    pk_sum(x, fput_lagrangian_1, 0, p->N, eight);
+    return pk_whole(eight);
+
 }
 
 /* T. */
 pk_real fput_kinetic(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                      const pk_real *u)
 {
-    pk_real e[PK_BLOCK];
-    const struct pk_members x = fput_members(p, t, q, v, u);
-    return pk_total(&x, fput_kinetic_terms, 1, e);
+    const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
+    pk_real eight[8] = {0};
+
+    pk_sum(x, fput_energy_0, 1, p->N, eight);
+    return pk_whole(eight);
+
 }
 
 /* V. */
 pk_real fput_potential(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                        const pk_real *u)
 {
-    pk_real e[PK_BLOCK];
-    const struct pk_members x = fput_members(p, t, q, v, u);
-    return pk_total(&x, fput_potential_terms, 1, e);
+    const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
+    pk_real eight[8] = {0};
+
+    pk_sum(x, fput_energy_1, 0, p->N, eight);
+    return pk_whole(eight);
+
 }
 
 void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
                   const pk_real *drift, pk_real t, pk_real h, unsigned long steps, pk_real *q,
                   pk_real *v)
 {
-    pk_real e[1026];
-    struct pk_members x = fput_members(p, t, q, v, NULL);
+    const struct pk_kicks of = {fput_acceleration_kick, fput_acceleration_drift, 1, p->N + 1, 512, 1, 513, 1};
+    pk_real e[513];
+    struct pk_members x = {p, p->at_, t, q, v, NULL};
 
-    pk_advance(&x, &fput_acceleration_of, e, 8, stages, kick, drift, t, h, steps, (ptrdiff_t)fput_count(p), q, v);
+    pk_advance(&x, &of, e, 8, stages, kick, drift, t, h, steps, q, v);
 }
 const char fput_source_hash[65] =
     "e5622cd8c86f10467e1ae3f6893e6e7ffa61d620aa027de1d47c041ad1ee035a";

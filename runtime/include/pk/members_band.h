@@ -11,6 +11,22 @@
 #ifndef PK_MEMBERS_BAND_H
 #define PK_MEMBERS_BAND_H
 
+#include <pk/ldl.h>
+#include <pk/members_ends.h>
+#include <pk/members_list.h>
+
+/* The ends of a family: see pk_home(). Its range is in the array `at` of struct pk_members: the
+ * number of its first member in arrays, its least and its greatest index. */
+struct pk_family {
+    int ring;
+    ptrdiff_t below, above;
+};
+
+PK_INLINE static const ptrdiff_t *pk_range_of_family(const struct pk_members *x, int family)
+{
+    return x->at + 3 * family;
+}
+
 /* Kinds of unknowns: coordinates, rows of constraints, other unknowns, and places that are none. */
 enum pk_unknown_kind { PK_COORDINATE, PK_ROW, PK_OTHER, PK_NONE };
 
@@ -26,6 +42,7 @@ struct pk_unknown {
 
 /* The order of unknowns: `slots` at each index, then `border` of which there is one each. */
 struct pk_layout {
+    const struct pk_family *families;
     const struct pk_unknown *unknowns;
     int slots, border;
     ptrdiff_t width;
@@ -61,7 +78,7 @@ PK_PERHAPS static struct pk_places pk_places_of(const struct pk_members *x,
         p.base = pk_least(p.base, range[1] + of->unknowns[k].ahead);
         if (of->unknowns[k].kind == PK_COORDINATE) {
             top = pk_most(top, range[2]);
-            if (x->families[of->unknowns[k].family].ring)
+            if (of->families[of->unknowns[k].family].ring)
                 ring = pk_least(ring, range[2]);
         }
     }
@@ -82,6 +99,15 @@ PK_PERHAPS static struct pk_places pk_places_of(const struct pk_members *x,
     return p;
 }
 
+/* The index of the member that index i of an unknown stands for; below the least if none. */
+PK_PERHAPS static ptrdiff_t pk_member(const struct pk_members *x, const struct pk_places *p,
+                                      const struct pk_unknown *of, ptrdiff_t i)
+{
+    const struct pk_family *own = p->of->families + of->family;
+    const ptrdiff_t *range = pk_range_of_family(x, of->family);
+    return pk_home(i, range[1], range[2], own->ring, own->below, own->above);
+}
+
 /* The place of an unknown at index i; -1 if it is given. */
 PK_PERHAPS static ptrdiff_t pk_place(const struct pk_members *x, const struct pk_places *p,
                                      int unknown, ptrdiff_t i)
@@ -91,7 +117,7 @@ PK_PERHAPS static ptrdiff_t pk_place(const struct pk_members *x, const struct pk
     if (unknown >= p->of->slots)
         return p->places + unknown - p->of->slots;
     if (u->homed) {
-        i = pk_home(x, u->family, i);
+        i = pk_member(x, p, u, i);
         if (i < pk_range_of_family(x, u->family)[1])
             return -1;
     }
@@ -213,7 +239,7 @@ PK_PERHAPS static ptrdiff_t pk_number(const struct pk_members *x, const struct p
     if (unknown >= p->of->slots)
         i = range[1];
     else if (u->homed)
-        i = pk_home(x, u->family, i);
+        i = pk_member(x, p, u, i);
     return i < range[1] ? -1 : range[0] + i - range[1];
 }
 
@@ -268,7 +294,7 @@ PK_PERHAPS static void pk_scatter(const struct pk_members *x, const struct pk_pl
 {
     const int numbers = to->use >= PK_TO_DIAGONAL && to->use <= PK_TO_PULL;
     const ptrdiff_t width = p->of->width, slots = p->of->slots;
-    pk_real *o[PK_MOST_SLOTS];
+    pk_real *o[PK_MOST_VALUES];
     int g, k, next = 0;
 
     for (k = 0; k < of->most; k++)
@@ -281,7 +307,7 @@ PK_PERHAPS static void pk_scatter(const struct pk_members *x, const struct pk_pl
             next++;
         for (m = x->at[terms->over]; m <= x->at[terms->over + 1]; m += n) {
             n = pk_least(of->chunk, x->at[terms->over + 1] + 1 - m);
-            pk_evaluate(x, terms, m, m + n, o);
+            terms->values(x, 0, m, n, o);
             for (k = first; k < next; k++) {
                 const struct pk_entry *entry = of->entries + k;
                 const pk_real sign = (pk_real)entry->sign, *value = o[entry->value];

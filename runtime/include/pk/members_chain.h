@@ -5,12 +5,14 @@
 #ifndef PK_MEMBERS_CHAIN_H
 #define PK_MEMBERS_CHAIN_H
 
+#include <pk/members_band.h>
+
 /* Writes the entries r of the row at index m, and the places c of their columns, -1 of a given
  * one. Returns how many there are. */
 PK_PERHAPS static int pk_made_row(const struct pk_members *x, const struct pk_places *p,
                                   const struct pk_matrix *of, ptrdiff_t m, ptrdiff_t *c, pk_real *r)
 {
-    pk_real values[PK_MOST_SLOTS], *o[PK_MOST_SLOTS];
+    pk_real values[PK_MOST_VALUES], *o[PK_MOST_VALUES];
     int k, n = 0, last = -1;
 
     for (k = 0; k < of->n_entries; k++) {
@@ -22,7 +24,7 @@ PK_PERHAPS static int pk_made_row(const struct pk_members *x, const struct pk_pl
         for (i = 0; entry->terms != last && i < terms->n_values; i++)
             o[i] = values + i;
         if (entry->terms != last)
-            pk_one(x, terms, m, 0, 0, o);
+            terms->values(x, 0, m, 1, o);
         last = entry->terms;
         c[n] = pk_place(x, p, entry->column.unknown, pk_cell_index(x, &entry->column, m));
         r[n++] = (pk_real)entry->sign * values[entry->value];
@@ -48,8 +50,8 @@ PK_PERHAPS static void pk_made(const struct pk_members *x, const struct pk_place
                                const struct pk_matrix *const *of, int count, pk_real *M)
 {
     const struct pk_ldl A = pk_lower(p, M);
-    ptrdiff_t lo = PTRDIFF_MAX, hi = PTRDIFF_MIN, m, c[PK_MOST_SLOTS];
-    pk_real r[PK_MOST_SLOTS];
+    ptrdiff_t lo = PTRDIFF_MAX, hi = PTRDIFF_MIN, m, c[PK_MOST_VALUES];
+    pk_real r[PK_MOST_VALUES];
     int g, i, j;
 
     for (g = 0; g < count; g++)
@@ -91,8 +93,8 @@ PK_PERHAPS static void pk_spread_over(const struct pk_members *x, const struct p
                                       const struct pk_matrix *const *of, int count, ptrdiff_t n,
                                       const pk_real *sizes, const pk_real *own, pk_real *out)
 {
-    ptrdiff_t lo = PTRDIFF_MAX, hi = PTRDIFF_MIN, m, c[PK_MOST_SLOTS];
-    pk_real r[PK_MOST_SLOTS];
+    ptrdiff_t lo = PTRDIFF_MAX, hi = PTRDIFF_MIN, m, c[PK_MOST_VALUES];
+    pk_real r[PK_MOST_VALUES];
     int g, k;
 
     for (m = 0; m < n; m++)
@@ -153,8 +155,8 @@ PK_PERHAPS static void pk_diagonal(const struct pk_members *x, const struct pk_p
 {
     const struct pk_ldl A = pk_lower(p, M);
     const ptrdiff_t slots = p->of->slots;
-    ptrdiff_t i, k, c[PK_MOST_SLOTS];
-    pk_real r[PK_MOST_SLOTS];
+    ptrdiff_t i, k, c[PK_MOST_VALUES];
+    pk_real r[PK_MOST_VALUES];
     int g;
 
     for (i = p->places - slots; i >= 0; i -= slots) {
@@ -179,8 +181,8 @@ PK_PERHAPS static void pk_weighed(const struct pk_members *x, const struct pk_pl
                                   const struct pk_matrix *const *of, int count, pk_real *M)
 {
     const ptrdiff_t width = p->of->width, border = p->all - p->banded;
-    ptrdiff_t lo = PTRDIFF_MAX, hi = PTRDIFF_MIN, m, c[PK_MOST_SLOTS];
-    pk_real r[PK_MOST_SLOTS];
+    ptrdiff_t lo = PTRDIFF_MAX, hi = PTRDIFF_MIN, m, c[PK_MOST_VALUES];
+    pk_real r[PK_MOST_VALUES];
     int g, i, j;
 
     for (g = 0; g < count; g++)

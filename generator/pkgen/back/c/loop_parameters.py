@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from ...middle.loops.indexed_ir import Group
 from ..targets import STORE
 from .kernel_code import statements
-from .loops import Block, M, Places
+from .loops_blocks import Block
+from .loops_places import M, Places
 from .parameter_code import (
     BOUNDS,
     DERIVE,

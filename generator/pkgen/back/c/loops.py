@@ -1,187 +1,39 @@
 """Turns LoopEquations into blocks of C statements, such as bodies of terms and assignments.
 
 A block is straight-line code. It first loads its inputs into local constants: in terms, for a
-member m or a pair m and j, from the arrays s that members.h sets. Expressions of parameters and
+member m or a pair m and j, by pointers to successive members (Row). Expressions of parameters and
 sizes alone are hoisted into `prepare`.
 """
 
 from __future__ import annotations
 
 import re
-from collections import Counter
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import replace
 
 from ...graph.affine import OTHER, ROW, Affine
 from ...graph.graph import Kind, Node, Symbol
-from ...middle.loops.indexed_ir import Group, Slot
-from ...middle.loops.indices import COUNTERS, unlike_loops
+from ...middle.loops.indexed_ir import Slot
+from ...middle.loops.indices import COUNTERS
 from ...middle.loops.loops import LoopEquations
-from ..targets import LOAD, TRIG, Target
+from ..targets import LOAD, Target
 from .expressions import Code, variable
 from .hoist import Hoisting, rewritten
-from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
-from .program import Statement, operations_in
+from .loops_blocks import FIXED, TERMS, Block, Row
+from .loops_places import Places
+from .loops_readers import SUFFIXES, Readers
+from .names import LOCAL_RESERVED, Names, local_wish
+from .program import Statement
 from .rewrite import rewrite
 
 # Local names in the templates; names from the model must differ from them.
 _OURS = (
-    *("m", "j", "l", "r", "s", "o", "lo", "hi", "base", "sum", "first", "last", "steps", "h", "g"),
+    *("m", "j", "l", "r", "o", "lo", "hi", "base", "sum", "first", "last", "steps", "h", "g"),
+    *("row", "from"),
     *("far", "total", "own", "once", *(f"at_{name[1:]}" for name in COUNTERS)),
     *("x", "cells", "pushes", "slopes", "changes", "front", "bulk", "beside", "beside_pushes"),
     *("pivot", "diagonal", "absent", "corner", "kept"),
 )
-INNER, TERMS, FIXED = "inner", "terms", "fixed"
-SUFFIXES = {"v": "_dot", "w": "_ddot", "d": "_own", "a": "_acc", "acc": "_acc", "p": "_momentum"}
-M, J = Affine(0, ((ROW, 1),)), Affine(0, ((OTHER, 1),))
-
-
-@dataclass
-class Block:
-    """Straight-line code: the expressions to store (`targets`) and the C statements, which Lowering
-    adds. `where` is INNER, TERMS or FIXED: how the block reads members of families. In TERMS,
-    `reads` has the numbers of the arrays s that Lowering assigns."""
-
-    targets: list[Target]
-    where: str
-    statements: list[Statement] = field(default_factory=list)
-    reads: dict[Slot, int] = field(default_factory=dict)
-    pairs: bool = False
-
-    @staticmethod
-    def of(kind: str, place: str, nodes: Iterable[Node], where: str) -> Block:
-        """Returns a block that stores each node. The C variables are `place`, a format such as
-        "r[{}]", filled with the number of the node."""
-        targets = [Target(kind, place.format(k), (node,)) for k, node in enumerate(nodes)]
-        return Block(targets, where)
-
-    @property
-    def operations(self) -> Counter[str]:
-        return operations_in(self.statements)
-
-    @property
-    def trig(self) -> bool:
-        return any(s.kind == TRIG for s in self.statements)
-
-    @property
-    def words(self) -> set[str]:
-        """Returns the names of all variables and functions in the block."""
-        return {name for s in self.statements for name in s.names}
-
-    @property
-    def nodes(self) -> list[Node]:
-        return [node for target in self.targets for node in target.nodes]
-
-    @property
-    def value(self) -> str:
-        """Returns the text of a block that consists of one expression."""
-        [statement] = self.statements
-        return statement.text
-
-
-class Places:
-    """The C names and array indices of a model's quantities: sizes, members of families, ranges."""
-
-    def __init__(self, e: LoopEquations):
-        self.equations = e
-        fields = Names(FIELD_RESERVED, (), e.model.name + "_")
-        self.sizes = {s.name: fields.take(s.name) for s in e.model.sizes}
-        self.fields = {g.name: fields.take(g.name) for g in e.parameters}
-        self.size_texts = {
-            unlike_loops(name): f"p->{c_name}" for name, c_name in self.sizes.items()
-        } | {name: f"at_{name[1:]}" for name in COUNTERS}
-        for k in range(len(e.switches)):  # each switch's first and last index
-            self.size_texts |= {f"least{k}'": f"p->side_lo_[{k}]", f"most{k}'": f"p->side_hi_[{k}]"}
-        names = Names(frozenset())
-        own = (*e.coordinates, *e.carried_groups)
-        self.ids = {g.name: names.take(g.name) for g in own}  # name -> its part in C names
-        # The name of the constraint row that expresses each recurrence.
-        self.made = {g.name: names.take(f"of_{g.name}") for g in e.carried_groups}
-        self.first: dict[str, Affine] = {}  # name -> array index of the first member
-        total = Affine()
-        for group in (*e.coordinates, *e.carried_groups):
-            self.first[group.name] = total
-            total = total + group.count
-        self.whole = total  # length of the array q, which includes recurrence values
-        total = Affine()
-        self.lets: dict[str, tuple[Affine, Affine]] = {}  # name -> (offset, least index)
-        for item in (item for found in e.along for item in found):
-            self.lets[item.name] = total, item.group.lo
-            total = total + item.group.count
-        self.n_lets = total
-        total = Affine()
-        self.observed: list[Affine] = []  # Offset of each output, then the total length.
-        for item in e.outputs:
-            self.observed.append(total)
-            total = total + item.count
-        self.observed.append(total)
-        total = Affine()
-        for rows in e.bound:  # offsets in lambda
-            self.first[rows.group.name] = total
-            total = total + rows.group.count
-
-    def index(self, at: Affine) -> str:
-        """Returns an index expression as C."""
-        return at.text(self.size_texts)
-
-    def let(self, name: str, at: Affine) -> Affine:
-        """Returns the place of member `at` of a recurrent `let`, which its previous member defines,
-        in the array that stores the values of all recurrent `let`s."""
-        first, lo = self.lets[name]
-        return first + at - lo
-
-    def names_in(self, at: Affine) -> tuple[str, ...]:
-        return tuple(self.size_texts.get(name, name) for name, _ in at.terms)
-
-    def flat(self, name: str, at: Affine | None) -> Affine:
-        """Returns the index in the arrays q, v, ...: of the member `at` of a family, or of a scalar
-        coordinate if `at` is None."""
-        return self.first[name] if at is None else self.first[name] + at - self._lo(name)
-
-    def _lo(self, name: str) -> Affine:
-        e = self.equations
-        rows = (bound.group for bound in e.bound)
-        groups = (*e.coordinates, *e.parameters, *e.carried_groups, *rows)
-        return next(g.lo for g in groups if g.name == name)
-
-    def carried(self, kind: str, name: str, at: Affine) -> tuple[str, Affine]:
-        """Returns the array and the index at which C stores a recurrence value, its rate or its
-        acceleration. The array q has further sections behind the values and the rates: for the
-        kinds "w", "d", "hung_p", "hung_f" (see Slot), in this order."""
-        place, own = self.flat(name, at), self.equations.count
-        behind = {"w": self.whole.times(2), "d": self.whole.times(3) - own}
-        behind["hung_p"] = self.whole.times(4) - own.times(2)
-        behind["hung_f"] = self.whole.times(5) - own.times(3)
-        return ("q", place - own + behind[kind]) if kind in behind else (kind, place)
-
-    def member(self, name: str, at: Affine | None) -> str:
-        """Returns the C expression of a parameter, or of the member `at` of a family of
-        parameters."""
-        place = "" if at is None else f"[{self.index(at - self._lo(name))}]"
-        return f"p->{self.fields[name]}{place}"
-
-    def group(self, g: Group) -> dict[str, str | bool]:
-        """Returns the template variables of a declaration: a coordinate, a parameter, or a family
-        of these."""
-        declared, family = g.declared, g.is_family
-        unseen = "a body rate, in v" if g.is_turn else "a state, in v" if g.is_state else ""
-        first = self.first.get(g.name, Affine())
-        unit = f"[{declared.unit}]" if declared.unit else ""
-        says = [x for x in (declared.description, unit) if x]
-        return {
-            "name": self.ids.get(g.name, g.name),
-            "shown": g.shown,
-            "is_family": family,
-            "first": self.index(first),
-            "lo": self.index(g.lo) if family else "0",
-            "hi": self.index(g.hi) if family else "0",
-            "count": self.index(g.count),
-            "cell": self.index(first + M - g.lo if family else first),
-            "says": ", ".join(x for x in (" ".join(says), unseen) if x),
-            "lo_text": g.lo.text() if family else "",
-            "hi_text": g.hi.text() if family else "",
-            "first_text": first.text(),
-        }
 
 
 class Lowering(Hoisting):
@@ -194,16 +46,17 @@ class Lowering(Hoisting):
         libm: bool,
         blocks: list[Block],
         sides: Mapping[Node, tuple[Symbol, int]],
+        readers: Readers,
     ):
         super().__init__(equations.graph, equations.model.name, libm)
         for call, (side, sign) in sides.items():
             self.work.side(call, side, sign)
-        self.states = {g.name for g in equations.states}
         self.equations, self.places, self.blocks = equations, places, blocks
+        self.readers = readers
         self.inputs = [q.name for q in equations.inputs]
         self._locals = Names(LOCAL_RESERVED, _OURS, self.prefix)
         self._names: dict[Slot, str] = {}
-        self.carried = {g.name for g in equations.carried_groups}
+        self._pointers: dict[Slot, str] = {}  # of rows of terms
         targets = []
         for block in blocks:
             new = rewrite(self.work, block.nodes, gather=block.where != FIXED)
@@ -220,7 +73,9 @@ class Lowering(Hoisting):
             block.statements = self._written(found, block)
 
     def _free(self) -> Names:
-        return Names(LOCAL_RESERVED, (*_OURS, *self._names.values()), self.prefix)
+        return Names(
+            LOCAL_RESERVED, (*_OURS, *self._names.values(), *self._pointers.values()), self.prefix
+        )
 
     def symbol(self, symbol: Symbol) -> Code:
         slot = self.equations.slots[symbol.index]
@@ -231,13 +86,10 @@ class Lowering(Hoisting):
             return self._access(slot)
         return variable(self._local(slot))
 
-    def _access(self, slot: Slot, block: Block | None = None) -> Code:
+    def _access(self, slot: Slot) -> Code:
         """Returns the C expression that reads a slot's value. The names in the Code include the
         variables of the index."""
         places = self.places
-        if block is not None and block.where == TERMS and slot.kind not in _DIRECT:
-            number = block.reads.setdefault(slot, len(block.reads))
-            return Code(f"s[{number}][{_stride(slot.at, block.pairs)}]", ("s", "k"))
         index = () if slot.at is None else places.names_in(slot.at)
         if slot.kind == "param":
             return Code(places.member(slot.name, slot.at), ("p", *index))
@@ -247,29 +99,15 @@ class Lowering(Hoisting):
         if slot.kind == "sum":
             array = self.prefix + "sums"
             return Code(f"{array}(p)[{slot.name}]", (array, "p"))
-        if slot.kind == "let":
-            array, place = self.prefix + "lets", places.let(slot.name, slot.at)
-            return Code(f"{array}(p)[{places.index(place)}]", (array, "p", *places.names_in(place)))
         if slot.kind == "input":
             return variable(f"u[{slot.name}]")
         if slot.kind == "place":
             return variable(slot.name)
         if slot.kind == "side":
             return self._side(slot)
-        if slot.name in self.carried:
-            array, place = places.carried(slot.kind, slot.name, slot.at)
-            return Code(f"{array}[{places.index(place)}]", (array, *places.names_in(place)))
-        if slot.kind in ("lambda", "p"):
-            place = places.flat(slot.name, slot.at)
-            array = self.prefix + ("momentum" if slot.kind == "p" else "lambda")
-            return Code(f"{array}(p)[{places.index(place)}]", (array, "p", *places.names_in(place)))
-        array, needs = ("q" if slot.kind == "q" else "v",) * 2
-        if slot.kind in ("a", "acc"):
-            memory = "rated" if slot.name in self.states else "accelerated"
-            array, needs = f"{self.prefix}{memory}(p)", self.prefix + memory
-        first = places.names_in(places.first[slot.name])
-        text = f"{array}[{places.index(places.flat(slot.name, slot.at))}]"
-        return Code(text, (needs, "p", *first, *index))
+        array, place = places.stored(slot)
+        text = f"{array}[{places.index(place)}]"
+        return Code(text, (array.removesuffix("(p)"), "p", *index, *places.names_in(place)))
 
     def _side(self, slot: Slot) -> Code:
         """Returns the C expression that reads the side (sign) of a switch at an index."""
@@ -296,6 +134,13 @@ class Lowering(Hoisting):
             self._names[slot] = self._locals.take(wish)
         return self._names[slot]
 
+    def _pointer(self, slot: Slot) -> str:
+        """Returns the name of the C pointer to the members around a slot."""
+        key = replace(slot, at=slot.at - slot.at.constant)
+        if key not in self._pointers:
+            self._pointers[key] = self._locals.take(f"{self._local(key)}_row")
+        return self._pointers[key]
+
     def _written(self, targets: list[Target], block: Block) -> list[Statement]:
         # The inputs (slots) of the block get names before its other local variables do.
         slots = []
@@ -304,25 +149,51 @@ class Lowering(Hoisting):
             if isinstance(symbol, Symbol) and symbol.kind not in (Kind.PI, Kind.TIME):
                 slots.append(self.equations.slots[symbol.index])
                 self._local(slots[-1])
+                if block.where == TERMS and slots[-1].at is not None:
+                    self._pointer(slots[-1])
         schedule = self.scheduled(targets, self._free(), block.where == FIXED)
         used = {name for s in schedule.statements for value in s.values for name in value.names}
-        loads = [
-            Statement.of(LOAD, self._local(slot), self._access(slot, block))
-            for slot in slots
-            if self._local(slot) in used and slot.kind != "size"
-        ]
+        read = [s for s in slots if self._local(s) in used and s.kind != "size"]
+        if block.where == TERMS:
+            return [*self._reads(read, block), *schedule.statements]
+        loads = [Statement.of(LOAD, self._local(slot), self._access(slot)) for slot in read]
         return [*loads, *schedule.statements]
 
+    def _reads(self, slots: list[Slot], block: Block) -> list[Statement]:
+        """Returns the loads of a term for one index. Adds to the block the rows that these read,
+        and the loads that are the same for all indices."""
+        running = OTHER if block.pairs else ROW
+        rows: dict[Slot, Row] = {}
+        found: list[tuple[Slot, Code | None]] = []
+        for slot in slots:
+            step = 0 if slot.at is None else slot.at.factor(running)
+            if slot.kind in _DIRECT:
+                found.append((slot, self._access(slot)))
+            elif step == 1 and not block.sequence:
+                shift = slot.at.constant
+                key = replace(slot, at=slot.at - shift)
+                if key not in rows:
+                    rows[key] = Row(key, self._pointer(slot), shift, shift)
+                rows[key].low = min(rows[key].low, shift)
+                rows[key].high = max(rows[key].high, shift)
+                found.append((slot, None))
+            elif step == 0:
+                code = self.readers.member(slot, block.over)
+                block.once.append(Statement.of(LOAD, self._local(slot), code))
+            else:
+                found.append((slot, self.readers.member(slot, block.over)))
+        block.rows = [*rows.values()]
+        loads = []
+        for slot, code in found:
+            if code is None:
+                row = rows[replace(slot, at=slot.at - slot.at.constant)]
+                code = Code(row.text(slot.at.constant), (row.pointer, "k"))
+            loads.append(Statement.of(LOAD, self._local(slot), code))
+        return loads
 
-# Kinds of symbols that terms do not read by their arrays s.
+
+# Kinds of symbols that terms do not read from arrays of members.
 _DIRECT = ("param", "size", "index", "input", "sum", "place")
-
-
-def _stride(at: Affine | None, pairs: bool) -> str:
-    """Returns the index in an array s of what a term reads for member k, or for pair k of a
-    member."""
-    step = 0 if at is None else at.factor(OTHER if pairs else ROW)
-    return {0: "0", 1: "k", -1: "-k"}.get(step, f"{step} * k")
 
 
 def _place(at: Affine | None) -> str:

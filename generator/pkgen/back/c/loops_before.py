@@ -11,8 +11,9 @@ from collections.abc import Iterable, Iterator
 from ...middle.loops.indexed_ir import Slot
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.slots import Slots
-from .loops import Block, Places
+from .loops_blocks import Block
 from .loops_kernels import Terms
+from .loops_places import Places
 from .loops_plan import Plan
 
 # A value to compute before terms: ("sum", number of the total), ("rate", name of the state),

@@ -17,8 +17,8 @@ from ...middle.loops.indices import size_values
 from ...middle.loops.jacobians import Slopes
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.slots import M
-from .loops import Places
 from .loops_numbers import Numbers
+from .loops_places import Places
 from .loops_plan import BOUND, Plan, half_width
 from .loops_text import table
 
@@ -59,7 +59,8 @@ class Layout:
             map(str, (self.slots, border, self.width, self.spares, int(self.carried)))
         )
         unknowns = f"{stem}_unknowns" if self.rows else "NULL"
-        return f"{rows}static const struct pk_layout {stem}_layout = {{{unknowns}, {numbers}}};\n\n"
+        members = f"{model}_families, {unknowns}, {numbers}"
+        return f"{rows}static const struct pk_layout {stem}_layout = {{\n    {members}}};\n\n"
 
 
 def layout_of_k(e: LoopEquations, plan: Plan, numbers: Numbers) -> Layout:

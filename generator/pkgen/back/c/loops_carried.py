@@ -26,8 +26,9 @@ from ...graph.graph import CONSTANT, ZERO, Node
 from ...middle.loops.indexed_ir import Carried, Piece, Slot
 from ...middle.loops.loops import LoopEquations
 from ..targets import STORE, Target
-from .loops import INNER, Block, M, Places
+from .loops_blocks import INNER, Block
 from .loops_kernels import Builder, Terms
+from .loops_places import M, Places
 
 BESIDE = 1  # This number, in place of an offset, marks a scalar coordinate.
 Variable = tuple[int, int]  # (index relative to the loop's index m, at most 0; family's number)
@@ -43,6 +44,8 @@ class Level:
 
     terms: Terms
     stores: list[str]
+    lo: str
+    hi: str
 
 
 @dataclass
@@ -195,7 +198,9 @@ class Carrying:
         for k, ((_, lo, hi), values) in enumerate(found.items()):
             nodes = [node for _, node in values]
             terms = Terms(f"along_{mode}_{k}", (lo, hi), nodes, sequence=True)
-            yield Level(terms, [store for store, _ in values])
+            yield Level(
+                terms, [store for store, _ in values], self.places.index(lo), self.places.index(hi)
+            )
 
     def _values(self, item: Carried, piece: Piece, mode: str) -> Iterator[tuple[str, Node]]:
         """Yields the C pointer and the node of each value that the pass `mode` computes."""

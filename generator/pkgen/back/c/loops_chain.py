@@ -8,10 +8,11 @@ from typing import Any
 
 from ...middle.loops.indexed_ir import Group
 from ...middle.loops.loops import LoopEquations
-from .loops import Block, M, Places
+from .loops_blocks import Block
 from .loops_carried import Carrying
 from .loops_elimination import Elimination, of_scalars
 from .loops_kernels import Builder
+from .loops_places import M, Places
 from .program import operations_text
 
 # For each kernel, the pass along the chain (see MODES) that it needs.
@@ -80,6 +81,13 @@ def chain_context(chain: Chain | None) -> dict[str, Any] | None:
         "slopes": len(of.slopes),
         "changes": len(of.changes),
         "levels": of.levels,
+        "along": {
+            mode: (
+                of.least([x.terms.over[0] for x in levels]),
+                of.most([x.terms.over[1] for x in levels]),
+            )
+            for mode, levels in of.levels.items()
+        },
         "needs": NEEDS,
         "gathered": {low: x.statements for low, x in of.gathered.items()},
         "moved": {low: x.statements for low, x in of.moved.items()},

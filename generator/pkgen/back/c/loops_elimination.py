@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from ...graph.graph import ZERO, Graph, Node
 from ...middle.loops.indexed_ir import Addend, Group
 from ..targets import STORE, Target
-from .loops import INNER, Block
+from .loops_blocks import INNER, Block
 from .loops_carried import BESIDE, Carrying, Clear, Variable
 from .loops_kernels import Vector
 
@@ -33,6 +33,11 @@ class MassRows:
     clears: list[Clear]
     first: int  # the number of its first entry in memory
     is_padded: bool  # whether it is a coordinate; its pivot is 1 outside its range
+
+    @property
+    def outs(self) -> list[str]:
+        """The C arrays of the vector's outputs."""
+        return [f"out_{k}" for k in range(self.vector.outputs)]
 
 
 class _Symmetric:

@@ -1,8 +1,8 @@
 """The kernels of a model with families: terms, and to what their values are added.
 
 A kernel is made from the addends of its quantities. Addends with the same index range become one C
-function (Terms), which computes its values for successive members; runtime/include/pk/members.h
-adds them up, by the tables that loops_text.py writes.
+function (Terms), which computes its values for successive members. loops_vectors.py writes the C
+code that adds these values up.
 """
 
 from __future__ import annotations
@@ -14,15 +14,17 @@ from ...graph.affine import ROW
 from ...graph.collect import THOROUGH, fewest, settled
 from ...graph.differentiate import reachable
 from ...graph.graph import ZERO, Node
-from ...middle.loops.indexed_ir import Addend, Cell, Group, Over, Slot
+from ...middle.loops.indexed_ir import Addend, Cell, Group, Over
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.slots import Slots
 from ..targets import STORE, Target
-from .loops import TERMS, Block, Places
+from .loops_blocks import TERMS, Block
+from .loops_places import Places
+from .loops_readers import beyond
 
-MOST_VALUES = 200  # A C function has no more values: PK_MOST_SLOTS in members.h has room.
-# Numbers in the buffer of a kernel, where it has several values; members at a time.
-MOST_ROOM, BLOCK, FEWEST = 4096, 512, 16
+MOST_VALUES = 200  # A C function has no more values: PK_MOST_VALUES in members.h has room.
+MOST_ROOM = 4096  # numbers in the buffers of a C function
+BLOCK, FEWEST = 512, 16  # the most and the fewest members that are computed at a time
 
 
 @dataclass
@@ -37,16 +39,11 @@ class Terms:
 
     def __post_init__(self) -> None:
         targets = [Target(STORE, f"o[{r}][k]", (node,)) for r, node in enumerate(self.nodes)]
-        self.block = Block(targets, TERMS, pairs=self.is_pairs)
+        self.block = Block(targets, TERMS, over=self.over, sequence=self.sequence)
 
     @property
     def is_pairs(self) -> bool:
         return len(self.over) == 4
-
-    @property
-    def slots(self) -> list[Slot]:
-        """The symbols that the function reads from arrays, in order; known after lowering."""
-        return list(self.block.reads)
 
 
 @dataclass
@@ -180,31 +177,36 @@ def members_in(values: int) -> int:
     return max(FEWEST, min(BLOCK, MOST_ROOM // max(1, values) // FEWEST * FEWEST))
 
 
-def chunk_of(vector: Kernel) -> int:
-    return members_in(sum(len(terms.nodes) for terms in vector.of(2)))
+def block_of(found: Iterable[Terms], slots: Slots) -> int:
+    """Returns how many members C functions of terms compute at a time: their values and copies of
+    what they read fit into cache."""
+    most = 1
+    for terms in found:
+        rows = {(s.kind, s.name) for s in slots.below(*terms.nodes) if s.at is not None}
+        most = max(most, len(terms.nodes) + len(rows))
+    return members_in(most)
 
 
-def beyond(group: Group, e: LoopEquations) -> tuple[int, int]:
-    """Returns the number of indices below the first member of a family, and above the last one,
-    that stand for members."""
-    below = above = e.wraps.get(group.name, 0)
-    for at, end in group.ends:
-        if end.kind == "free":
-            low, high = group.lo - at, at - group.hi
-            if low.is_constant and low.constant > 0:
-                below = max(below, low.constant)
-            elif high.is_constant:
-                above = max(above, high.constant)
-    return below, above
+def chunk_of(vector: Kernel, block: int) -> int:
+    """Returns how many rows of a vector are computed at a time."""
+    values = sum(len(terms.nodes) for terms in vector.of(2))
+    return min(block, members_in(values))
+
+
+def halo_of(vector: Kernel) -> int:
+    """Returns how many terms more than rows a vector has, since terms reach several rows."""
+    low, high = reach(vector)
+    return high - low
 
 
 def added(vector: Vector, e: LoopEquations) -> int:
-    """Returns the number of values that are added to rows one by one (see members.h)."""
+    """Returns the number of values that are added to rows one by one (see members_ends.h)."""
     singles = sum(not goal.terms.over for goal in vector.goals)
-    return singles + sum(sum(beyond(g, e)) for g in vector.families) * vector.outputs
+    ends = sum(sum(beyond(g, e.wraps.get(g.name, 0))) for g in vector.families)
+    return singles + ends * vector.outputs
 
 
-def reach(vector: Vector) -> tuple[int, int]:
+def reach(vector: Kernel) -> tuple[int, int]:
     """Returns the least and the greatest offset of a row from the index of a term."""
     offsets = [
         goal.to[0][1].constant

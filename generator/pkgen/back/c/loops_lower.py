@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
 from ...equations import Facts
-from ...graph.affine import variable
-from ...graph.graph import ZERO, Node
+from ...graph.affine import Affine, variable
+from ...graph.graph import Node
 from ...middle.loops.indices import size_values
 from ...middle.loops.loops import Assigned, Limit, LoopEquations, Summed
 from ..facts import facts, invariants
@@ -20,20 +19,25 @@ from . import loop_parameters, loops_tables, tables
 from .describe import labelled
 from .helpers import helpers
 from .loop_parameters import Assignment, Summing
-from .loops import FIXED, INNER, Block, Lowering, M, Places
+from .loops import Lowering
 from .loops_before import Before
+from .loops_blocks import FIXED, INNER, Block
 from .loops_bound import Layout, bound_context, layout_of_k, layout_of_slopes
 from .loops_chain import chain_context
-from .loops_kernels import Builder
+from .loops_kernels import BLOCK, Builder, Terms, Vector, block_of
 from .loops_memory import memory_regions
 from .loops_numbers import Numbers
+from .loops_places import M, Places
 from .loops_plan import TOTALS, VECTORS, divides, emitted, planned, watches_momenta, within
+from .loops_readers import Readers
 from .loops_steps import has_steps, lag_of
 from .loops_switches import described as switches
 from .loops_switches import sides
 from .loops_text import KernelText
+from .loops_vectors import VectorText, extreme, pair_loop
 from .program import LoopProgram, operations_text
 from .render import frame, pasted
+from .tree import Scope, rendered
 
 
 def lower_loops(
@@ -59,12 +63,13 @@ class _Context:
         builder = Builder(e, self.places)
         self.plan = planned(e, builder, kernels)
         self.slots = builder.slots
+        self.block = block_of(self.plan.terms, self.slots)
         self.fused = "advance" in kernels and has_steps(e, self.plan, self.slots)
         self.lag = 0
         if self.fused:
             vector = self.plan.vectors["acceleration"]
-            self.lag = lag_of(e, vector, self.slots)
-            vector.kicks = self.lag != 0
+            self.lag = lag_of(e, vector, self.slots, self.block)
+            vector.kicks = True
         # No nodes are added to the graph after this.
         self.e = e = replace(e, slots=tuple(self.slots.all))
         self.given = {at: [_value(node) for node in nodes] for at, nodes in e.given.items()}
@@ -91,8 +96,11 @@ class _Context:
         held = [x for b in blocks if b.where != FIXED and id(b) not in watched for x in b.nodes]
         decided = sides(e, self.slots, held)
         self.e = e = replace(e, slots=tuple(self.slots.all))
-        self.lowering = Lowering(e, self.places, libm, blocks, decided)
-        self.numbers = Numbers(e, self.places)
+        self.readers = Readers(self.places, self.given)
+        self.lowering = Lowering(e, self.places, libm, blocks, decided, self.readers)
+        matrices = bool(self.plan.matrices or self.plan.made)
+        self.numbers = Numbers(e, self.places, self.readers, matrices)
+        self.vectors: dict[str, VectorText] = {}
 
     def _observed(self) -> Iterator[Target]:
         """Yields the stores of outputs that are a single number."""
@@ -143,7 +151,6 @@ class _Context:
             "n": e.count.value(size_values(model)),
             "kernels": list(system.values()),
             "sincos_header": pasted("sincos.h") if any(b.trig for b in w.blocks) else "",
-            "headers": self._headers(layouts),
             "reductions": (),
             "events": tables.events(e),
             "cyclic": (),
@@ -166,7 +173,6 @@ class _Context:
             "families": [group(g) for g in e.families],
             "scalars": [group(g) for g in e.scalars],
             "limits": [self._limit(limit) for limit in e.limits],
-            "given": self._given(),
             "layouts": layouts,
             "K": layouts.get("K"),
             "K_rings": any(g.periodic for g in e.families),
@@ -201,15 +207,12 @@ class _Context:
             "before": self.before,
             "accelerates": accelerates,
             "rated": [(ids[name], x, group(e.group(name))) for name, x in plan.rates.items()],
-            "lets": [
-                (k, found, [index(self.places.let(x.to[0][0], x.over[0])) for x in parts])
-                for k, found in plan.along.items()
-                for parts in [[x for item in e.along[k] for x in item.parts]]
-            ],
+            "lets": [self._lets(k, found) for k, found in plan.along.items()],
             "switches": list(switches(e, self.places)),
             "with_lambda": any(slot.kind == "lambda" for slot in e.slots),
             "with_momenta": watches_momenta(e),
             "divides": divides(e),
+            "same_as_force": self._same_as_force,
             "constant_mass": constant,
             "masses": [block.value for block in plan.masses],
             "checked": "mass" in plan.vectors,
@@ -221,16 +224,35 @@ class _Context:
             "stepper": self.fused,
             "lag": self.lag,
         }
-        text = KernelText(model.name, e, self.numbers)
+        text = KernelText(model.name, self.numbers, self.readers, self.block)
 
         def made_of(end: str) -> list[str]:
             """Returns pointers to the matrices of recurrences in one layout."""
             return [f"&{model.name}_{x.name}_{end}of" for x in plan.made]
 
         found["made_of"] = made_of
-        found |= {"text": text, "tables_of": self._tables(text, layouts), "numbers": self.numbers}
+        tables_of = self._tables(text, layouts)  # It notes which readers are used.
+        found |= {"text": text, "tables_of": self.readers.text + tables_of, "numbers": self.numbers}
+        found |= {
+            "headers": self._headers(layouts),
+            "vector_texts": self.vectors,
+            "added_up": self._total,
+        }
         # All ranges are known now: behind them in `at_` are the places of the regions.
-        return found | {"room": 3 * len(self.numbers.rows) + len(self.numbers.more)}
+        room = 3 * len(self.numbers.rows) + len(self.numbers.more)
+        at = "p->at_" if room or regions else "NULL"
+        state = f"const struct pk_members state = {{p, {at}, 0, NULL, NULL, NULL}}"
+        found |= {"sizes_alone": f"{state}, *const x = &state;"}
+        return found | {"room": room, "with_at": room or regions, "at": at}
+
+    @property
+    def _same_as_force(self) -> bool:
+        """Returns whether the accelerations are the forces, since all masses are 1."""
+        found = [self.plan.vectors.get(k) for k in ("force", "acceleration")]
+        if None in found or "force" not in self.kernels:
+            return False
+        goals = [[(id(x.terms), x.value, x.sign, x.output, x.to) for x in v.goals] for v in found]
+        return goals[0] == goals[1] and found[1].finish == "STORE"
 
     @property
     def _families_of_parameters(self) -> bool:
@@ -245,31 +267,35 @@ class _Context:
         return found
 
     def _headers(self, layouts: dict[str, Layout]) -> list[str]:
-        """Returns the headers of the runtime that the model needs, without unused parts."""
+        """Returns the headers of the runtime that the model needs."""
         plan = self.plan
-        lists = plan.singularities or plan.switches or plan.observed or self.e.pivots
-        used = {
-            "pairs": any(kernel.of(4) for kernel in plan.kernels),
-            "lists": lists,
-            "sequences": plan.chain,
-        }
-        members = pasted("members.h")
-        for part in (name for name, needed in used.items() if not needed):
-            members = re.sub(
-                rf"/\* -- {part} -+ .*?(?=/\* -- |#endif\n*$)", "", members, flags=re.S
-            )
-        names = ["ldl.h", "members_band.h"] * bool(layouts or plan.made)
+        matrices = bool(layouts or plan.made)
+        lists = bool(plan.singularities or plan.switches or self.e.pivots or matrices)
+        homes = self.readers.use_homes or any(x.has_ends for x in self.vectors.values())
+        names = ["members.h"]
+        names += ["members_ends.h"] * (homes or matrices)
+        names += ["members_list.h"] * lists
+        names += ["ldl.h", "members_band.h"] * matrices
         names += ["members_chain.h"] * bool(plan.made)
         names += ["members_steps.h"] * self.fused
-        return [members, *map(pasted, names)]
+        block = f"#define PK_BLOCK {self.block}\n" if self.block != BLOCK else ""
+        return [block] * bool(block) + [*map(pasted, names)]
+
+    def _vector(self, text: KernelText, vector: Vector) -> str:
+        """Returns the functions that the C text of a vector needs before its kernel."""
+        made = VectorText(vector, self.e, self.places, self.readers, self.block)
+        self.vectors[vector.name] = made
+        unused = vector.name == "acceleration" and self._same_as_force and not self.fused
+        return text.functions(vector.terms) + ("" if unused else made.functions)
 
     def _tables(self, text: KernelText, layouts: dict[str, Layout]) -> str:
-        """Returns all functions of terms, and the tables for members.h."""
+        """Returns all functions of terms, and the tables of matrices and lists."""
         plan = self.plan
-        parts = [text.vector(x) for x in (*plan.vectors.values(), *plan.rates.values())]
+        vectors = (*plan.vectors.values(), *plan.rates.values())
+        parts = [self._vector(text, x) for x in vectors]
         if plan.chain and plan.chain.elimination:
             found = (rows.vector for rows in plan.chain.elimination.mass)
-            parts += [text.vector(vector) for vector in found if vector.outputs]
+            parts += [self._vector(text, vector) for vector in found if vector.outputs]
         for key, kernel in plan.matrices.items():
             of = layouts["slopes" if key.startswith("slopes") else "K"]
             parts.append(text.matrix(kernel, of.unknowns))
@@ -287,15 +313,33 @@ class _Context:
                     "hung_p", item.group.name
                 ]
                 parts.append(text.matrix(kernel, known, "slopes_", "K" not in layouts))
-        parts += [text.terms_table(f"{key}_terms", found) for key, found in plan.totals.items()]
-        parts += [text.terms_table(f"let_{k}_terms", found) for k, found in plan.along.items()]
-        parts += [text.terms_table(f"observe_{k}_terms", [x]) for k, x in plan.observed.items()]
+        parts += map(text.functions, (*plan.totals.values(), *plan.along.values()))
+        parts.append(text.functions(plan.observed.values()))
         parts.append(text.terms_table("singularity_terms", plan.singularities))
         parts.append(text.terms_table("switching_terms", plan.switches))
         if plan.chain:
-            for mode, levels in plan.chain.carrying.levels.items():
-                parts.append(text.terms_table(f"along_{mode}_terms", [x.terms for x in levels]))
+            for levels in plan.chain.carrying.levels.values():
+                parts.append(text.functions(x.terms for x in levels))
         return "".join(parts)
+
+    def _lets(self, k: int, found: list[Terms]) -> tuple[int, str, str, list[dict[str, Any]]]:
+        """Returns the number of a pass along members, its range, and what it computes."""
+        parts = [x for item in self.e.along[k] for x in item.parts]
+        ends = [[self.places.index(x.over[end]) for x in parts] for end in (0, 1)]
+        rows = [
+            {"terms": terms, "lo": lo, "hi": hi, "place": self.places.index(place)}
+            for terms, x, lo, hi in zip(found, parts, *ends, strict=True)
+            for place in [self.places.let(x.to[0][0], M)]
+        ]
+        return k, extreme(ends[0], "pk_least"), extreme(ends[1], "pk_most"), rows
+
+    def _total(self, terms: Terms) -> list[str]:
+        """Returns the C lines that add a total's term to the partial sums."""
+        if terms.is_pairs:
+            lines = ["pk_add_up(o[0], n, 1, eight);"]
+            return rendered([Scope([*pair_loop(self.e.model.name, self.places, terms, lines)])])
+        lo, hi = map(self.places.index, terms.over or (Affine(), Affine()))
+        return rendered([f"pk_sum(x, {self.e.model.name}_{terms.name}, {lo}, {hi}, eight);"])
 
     def _parameter_functions(self, factored: bool, block: bool) -> str:
         e, w = self.e, self.lowering
@@ -315,18 +359,6 @@ class _Context:
             fixed=self.before.fixed,
             summed=e.summed,
         )
-
-    def _given(self) -> list[dict[str, Any]]:
-        """Returns the values, rates and accelerations of given members: the number of the family,
-        the index and the statements of each."""
-        found = []
-        for (name, at), blocks in self.given.items():
-            if all(node == ZERO for block in blocks for node in block.nodes):
-                continue
-            family = self.numbers.families[name, ""]
-            orders = [block.statements for block in blocks]
-            found.append({"family": family, "at": self.places.index(at), "orders": orders})
-        return found
 
     def _system_kernels(self) -> dict[str, dict[str, Any]]:
         """Returns the kernels of struct pk_system by name. M and the Jacobians are left out, since

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ...graph.affine import Affine
 from ...middle.loops.loops import LoopEquations
-from .loops import Places
 from .loops_bound import Layout
+from .loops_places import Places
 from .loops_plan import Plan, watches_momenta
 
 

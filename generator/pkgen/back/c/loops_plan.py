@@ -12,7 +12,7 @@ from ...middle.loops.jacobians_recurrences import of_chain
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.slots import M
 from ..targets import RETURN
-from .loops import INNER, Block
+from .loops_blocks import INNER, Block
 from .loops_chain import Chain
 from .loops_kernels import Builder, Kernel, Terms, Vector
 from .loops_switches import terms as switching

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...graph.affine import ROW
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.slots import M, Slots
-from .loops_kernels import Vector, added, chunk_of, reach
+from .loops_kernels import Vector, added, chunk_of, halo_of, reach
 from .loops_plan import Plan
 
 LINE = 8  # Members per cache line.
@@ -23,11 +23,11 @@ def has_steps(e: LoopEquations, plan: Plan, slots: Slots) -> bool:
     return all(int(s.name) in e.fixed for s in below if s.kind == "sum")
 
 
-def lag_of(e: LoopEquations, vector: Vector, slots: Slots) -> int:
+def lag_of(e: LoopEquations, vector: Vector, slots: Slots, block: int) -> int:
     """Returns by how many members a stage of a step trails the one before it, so that both are made
     in one pass over memory: terms of rows from m on must read no rows before m. 0 if they do, or a
     single term is far from its row. Minus the number for rings, whose steps are made one by one."""
-    low, high = reach(vector)
+    low, halo = reach(vector)[0], halo_of(vector)
     shifts = [0]
     for terms in vector.terms:
         for s in slots.below(*terms.nodes):
@@ -37,10 +37,10 @@ def lag_of(e: LoopEquations, vector: Vector, slots: Slots) -> int:
             if not terms.over or s.at.factor(ROW) != 1 or not at.is_constant:
                 return 0
             shifts.append(at.constant)
-    carried = sum(len(terms.nodes) for terms in vector.of(2)) * (high - low)
+    carried = sum(len(terms.nodes) for terms in vector.of(2)) * halo
     if min(shifts) < low or carried > MOST_CARRIED or not _close(e):
         return 0
-    lag = max(shifts) - low + 1 + (high - low) + added(vector, e)
+    lag = max(shifts) - low + 1 + halo + added(vector, e)
     lag = -(-lag // LINE) * LINE
     if any(g.periodic for g in e.families):
         same = all(
@@ -48,7 +48,7 @@ def lag_of(e: LoopEquations, vector: Vector, slots: Slots) -> int:
             for g in e.families
         )
         lag = -lag if same else 0
-    return lag if abs(lag) <= min(MOST_LAG, chunk_of(vector)) else 0
+    return lag if abs(lag) <= min(MOST_LAG, chunk_of(vector, block)) else 0
 
 
 def _close(e: LoopEquations) -> bool:

@@ -16,8 +16,8 @@ from ...middle.derive.switches import free
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.slots import Slots
 from ...middle.loops.switches import Members
-from .loops import Places
 from .loops_kernels import Terms
+from .loops_places import Places
 
 
 def terms(e: LoopEquations) -> Iterator[Terms]:

@@ -12,7 +12,7 @@ from ...indices import indexed
 from ...middle.loops.indexed_ir import Bound, Group
 from ...middle.loops.indices import size_values
 from ...middle.loops.loops import LoopEquations
-from .loops import Places
+from .loops_places import Places
 from .loops_plan import Plan
 
 
@@ -38,6 +38,7 @@ def outputs_of_members(e: LoopEquations, places: Places, plan: Plan) -> dict[str
         {
             "first": index(places.observed[k]),
             "lo": index(e.outputs[k].lo),
+            "hi": index(e.outputs[k].hi),
             "count": index(e.outputs[k].count),
             "k": k,
         }

@@ -209,9 +209,9 @@ def _environment() -> jinja2.Environment:
 
 
 def pasted(header: str) -> str:
-    """Returns the text of a header in runtime/include/pk."""
+    """Returns the text of a header in runtime/include/pk, without those that it includes."""
     path = Path(pkgen_runtime.__file__).parent / "include" / "pk" / header
-    return path.read_text(encoding="utf-8")
+    return re.sub(r"#include <pk/.*>\n+", "", path.read_text(encoding="utf-8"))
 
 
 def _lookup(model: Model) -> str:
