@@ -160,7 +160,6 @@ pk_real double_pendulum_energy(const struct double_pendulum_params *p, pk_real t
         + p->half_m2_l2_sq * theta2_dot * theta2_dot;
 }
 
-
 const struct double_pendulum_parameter double_pendulum_parameters[5] = {
     {{"m1", "kg", "upper bob"}, offsetof(struct double_pendulum_params, m1), 0, 1, 1},
     {{"m2", "kg", "lower bob"}, offsetof(struct double_pendulum_params, m2), 0, 1, 1},
@@ -168,12 +167,10 @@ const struct double_pendulum_parameter double_pendulum_parameters[5] = {
     {{"l2", "m", "lower rod"}, offsetof(struct double_pendulum_params, l2), 0, 1, 1},
     {{"g", "m/s^2", "gravity"}, offsetof(struct double_pendulum_params, g), 0, 1, 1},
 };
-
 const struct double_pendulum_quantity double_pendulum_coordinates[2] = {
     {"theta1", "rad", "from the downward vertical"},
     {"theta2", "rad", "from the downward vertical"},
 };
-
 const struct double_pendulum_quantity double_pendulum_rates[2] = {
     {"theta1'", "rad/s", "from the downward vertical"},
     {"theta2'", "rad/s", "from the downward vertical"},

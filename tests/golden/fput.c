@@ -6,26 +6,14 @@
  */
 #include "fput.h"
 
-/* Sums of terms over the members of families, such as sum(f(q[i], q[i+1]), i = 0..N), for every
- * length of the families.
- *
- * A model has a C function for each term. It computes the values of the term for n successive
- * members at once. It reads members from their array, or from a copy in which members beyond the
- * ends of the family are included. A scalar is a family of one member, whose index is 0.
+/* Sums of terms over the members of families, such as sum(f(q[i], q[i+1]), i = 0..N). A model has
+ * a C function for each term, which computes it for n successive members at once.
  *
  * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_MEMBERS_H
 #define PK_MEMBERS_H
 
-#ifdef __GNUC__
-#define PK_PERHAPS __attribute__((unused))
-#else
-#define PK_PERHAPS
-#endif
-#ifndef PK_BLOCK
 #define PK_BLOCK 512 /* the most members that a term is computed for at a time */
-#endif
-#define PK_MOST_VALUES 256
 
 /* The arguments of a kernel; `at` has indices for tables. */
 struct pk_members {
@@ -43,24 +31,10 @@ typedef void pk_values(const struct pk_members *x, ptrdiff_t row, ptrdiff_t from
     static void name(PK_PERHAPS const struct pk_members *x, PK_PERHAPS ptrdiff_t row, \
                      PK_PERHAPS ptrdiff_t from, ptrdiff_t n, pk_real *const *o)
 
-/* A term with angles is computed with a fast sine, and again with care if an angle is too large. */
-#define PK_TERM_PASS(name)                                                                         \
-    PK_INLINE static pk_bits name##_pass(enum pk_pass pass, PK_PERHAPS const struct pk_members *x, \
-                                         PK_PERHAPS ptrdiff_t row, PK_PERHAPS ptrdiff_t from,      \
-                                         ptrdiff_t n, pk_real *const *o)
-#define PK_TERM_OF_PASSES(name)                                  \
-    PK_TERM(name)                                                \
-    {                                                            \
-        if (name##_pass(PK_IN_LANE, x, row, from, n, o))         \
-            (void)name##_pass(PK_CAREFULLY, x, row, from, n, o); \
-    }
-
-PK_INLINE static ptrdiff_t pk_most(ptrdiff_t a, ptrdiff_t b) { return a > b ? a : b; }
-
 PK_INLINE static ptrdiff_t pk_least(ptrdiff_t a, ptrdiff_t b) { return a < b ? a : b; }
 
 /* Returns the members from .. from + n - 1 of a family with the indices lo .. hi, whose array
- * begins at `array`: in place, or else copied to `room`, where read() returns those beyond. */
+ * begins at `array`: in place, or else copied to `room`. Those beyond come from read(), or are 0. */
 PK_INLINE static const pk_real *pk_row(const struct pk_members *x, const pk_real *array,
                                        pk_real (*read)(const struct pk_members *x, ptrdiff_t i),
                                        ptrdiff_t lo, ptrdiff_t hi, ptrdiff_t from, ptrdiff_t n,
@@ -72,14 +46,53 @@ PK_INLINE static const pk_real *pk_row(const struct pk_members *x, const pk_real
     if (below <= 0 && end == n)
         return array + (from - lo);
     for (k = 0; k < below; k++)
-        room[k] = read(x, from + k);
+        room[k] = read ? read(x, from + k) : 0;
     PK_LANE_LOOP
-    for (k = pk_most(0, below); k < end; k++)
+    for (; k < end; k++)
         room[k] = array[from - lo + k];
-    for (k = pk_most(0, end); k < n; k++)
-        room[k] = read(x, from + k);
+    for (; k < n; k++)
+        room[k] = read ? read(x, from + k) : 0;
     return room;
 }
+
+/* Returns how many of the indices m .. hi a term computes next. Where many are left, the first and
+ * the last of lo .. hi are few, since they may read copies. */
+PK_INLINE static ptrdiff_t pk_step(ptrdiff_t m, ptrdiff_t lo, ptrdiff_t hi)
+{
+    const ptrdiff_t n = pk_least(PK_BLOCK, hi + 1 - m);
+    return n <= 256 || (m > lo && m + n <= hi) ? n : m == lo ? 8 : n - 8;
+}
+
+/* Returns the sum of the value of a term for m = lo .. hi, added up as eight partial sums. */
+PK_PERHAPS static pk_real pk_sum(const struct pk_members *x, pk_values *values, ptrdiff_t lo,
+                                 ptrdiff_t hi)
+{
+    pk_real e[PK_BLOCK + 7], *const o = e, s[8] = {0};
+    ptrdiff_t m, n, k, l;
+
+    for (m = lo; m <= hi; m += n) {
+        n = pk_step(m, lo, hi);
+        values(x, 0, m, n, &o);
+        for (k = n; k % 8; k++)
+            e[k] = 0;
+        for (k = 0; k < n; k += 8)
+            for (l = 0; l < 8; l++)
+                s[l] += e[k + l];
+    }
+    return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
+}
+
+#endif
+
+/* Values of terms in a buffer, for rows and numbers that are sums of several terms.
+ *
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
+#ifndef PK_MEMBERS_ROWS_H
+#define PK_MEMBERS_ROWS_H
+
+#define PK_MOST_VALUES 256
+
+PK_INLINE static ptrdiff_t pk_most(ptrdiff_t a, ptrdiff_t b) { return a > b ? a : b; }
 
 /* Writes the `count` values of a term for m = from .. from + n - 1: value r to e[r * width],
  * e[r * width + 1], ...; 0 where m is not in lo .. hi. */
@@ -101,11 +114,7 @@ PK_INLINE static void pk_fill(const struct pk_members *x, pk_values *values, int
             e[r * width + k] = 0;
     }
     for (m = first; m < end; m += step) {
-        step = pk_least(PK_BLOCK, end - m);
-        if (m == lo && step > 64)
-            step = 8; /* terms at an end read a copy: make it a short one */
-        else if (m + step == hi + 1 && step > 64)
-            step -= 8;
+        step = pk_least(pk_step(m, lo, hi), end - m);
         values(x, 0, m, step, o);
         for (r = 0; r < count; r++)
             o[r] += step;
@@ -138,20 +147,6 @@ PK_INLINE static void pk_add_up(const pk_real *e, ptrdiff_t n, pk_real sign, pk_
 PK_INLINE static pk_real pk_whole(const pk_real *s)
 {
     return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
-}
-
-/* Adds the value of a term for m = lo .. hi to eight partial sums. */
-PK_PERHAPS static void pk_sum(const struct pk_members *x, pk_values *values, ptrdiff_t lo,
-                              ptrdiff_t hi, pk_real *eight)
-{
-    pk_real e[PK_BLOCK], *const o = e;
-    ptrdiff_t n;
-
-    for (; lo <= hi; lo += n) {
-        n = pk_least(PK_BLOCK, hi + 1 - lo);
-        values(x, 0, lo, n, &o);
-        pk_add_up(e, n, 1, eight);
-    }
 }
 
 #endif
@@ -231,8 +226,10 @@ struct pk_terms {
 PK_PERHAPS static ptrdiff_t pk_partners(const struct pk_members *x, const struct pk_terms *of,
                                         ptrdiff_t m, ptrdiff_t *j)
 {
-    *j = x->at[of->over + 2] + of->first * m;
-    return pk_most(0, x->at[of->over + 3] + of->last * m + 1 - *j);
+    const ptrdiff_t first = x->at[of->over + 2] + of->first * m;
+    const ptrdiff_t end = x->at[of->over + 3] + of->last * m + 1;
+    *j = first;
+    return end > first ? end - first : 0;
 }
 
 /* Writes the values of some terms, each with one for each member or pair, one behind the other.
@@ -738,7 +735,7 @@ PK_PERHAPS static void pk_scatter(const struct pk_members *x, const struct pk_pl
         while (next < of->n_entries && of->entries[next].terms == g)
             next++;
         for (m = x->at[terms->over]; m <= x->at[terms->over + 1]; m += n) {
-            n = pk_least(of->chunk, x->at[terms->over + 1] + 1 - m);
+            n = pk_least(pk_least(of->chunk, PK_BLOCK), x->at[terms->over + 1] + 1 - m);
             terms->values(x, 0, m, n, o);
             for (k = first; k < next; k++) {
                 const struct pk_entry *entry = of->entries + k;
@@ -1224,17 +1221,13 @@ void fput_sizes(struct fput_params *p)
 
 size_t fput_count(const struct fput_params *p)
 {
-    (void)p;
     return (size_t)(p->N);
 }
 
 /* Whether every family has a member and no sum reaches where nothing is. */
 static int fput_fits(const struct fput_params *p)
 {
-    (void)p;
-    if (p->N - 1 < 0)
-        return 0;
-    return 1;
+    return p->N - 1 >= 0;
 }
 
 static const struct pk_family fput_families[1] = {
@@ -1272,8 +1265,7 @@ size_t fput_block_size(const struct fput_params *p)
 
 void fput_attach(struct fput_params *p, void *block)
 {
-    pk_real *next = (pk_real *)block;
-    p->work_ = next;
+    p->work_ = (pk_real *)block;
     (void)fput_place(p);
 }
 
@@ -1313,10 +1305,8 @@ int fput_prepare(struct fput_params *p)
 void fput_bounds(const struct fput_params *p, pk_real *lo, pk_real *hi)
 {
     (void)p, (void)lo, (void)hi;
-    {
-        lo[0] = -PK_INFINITY;
-        hi[0] = PK_INFINITY;
-    }
+    lo[0] = -PK_INFINITY;
+    hi[0] = PK_INFINITY;
 }
 
 void fput_start(const struct fput_params *p, pk_real *q, pk_real *v)
@@ -1331,40 +1321,50 @@ void fput_start(const struct fput_params *p, pk_real *q, pk_real *v)
     }
 }
 
-PK_PERHAPS static pk_real fput_read_q(const struct pk_members *x, ptrdiff_t i)
-{
-    const struct fput_params *const p = (const struct fput_params *)x->params;
-
-    return i >= 1 && i <= p->N ? x->q[i - 1] : 0;
-}
-
-static const pk_real *fput_row_q(const struct pk_members *x, ptrdiff_t from, ptrdiff_t n,
-                                 pk_real *room)
-{
-    const struct fput_params *const p = (const struct fput_params *)x->params;
-
-    return pk_row(x, x->q + 0, fput_read_q, 1, p->N, from, n, room);
-}
-
 PK_TERM(fput_force_0)
 {
     const struct fput_params *const p = (const struct fput_params *)x->params;
-
     ptrdiff_t k;
-    pk_real q__row_room[PK_BLOCK + 1];
-    const pk_real *const q__row = fput_row_q(x, from, n + 1, q__row_room);
+    pk_real q_row_room[PK_BLOCK + 2];
+    const pk_real *const q_row = pk_row(x, x->q, NULL, 1, p->N, from - 1, n + 2, q_row_room);
     const pk_real p_alpha = p->alpha;
 
     PK_LANE_LOOP
     for (k = 0; k < n; k++) {
-        const pk_real q_ = q__row[k];
-        const pk_real q_p1 = q__row[k + 1];
+        const pk_real q_ = q_row[k + 1];
+        const pk_real q_p1 = q_row[k + 2];
+        const pk_real q_m1 = q_row[k];
         const pk_real q_p1_minus_q_ = q_p1 - q_;
-        o[0][k] = p_alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
+        const pk_real q__minus_q_m1 = q_ - q_m1;
+        o[0][k] = p_alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_
+            - p_alpha * q__minus_q_m1 * q__minus_q_m1 - q__minus_q_m1;
     }
 }
 
 PK_TERM(fput_canonical_0)
+{
+    const struct fput_params *const p = (const struct fput_params *)x->params;
+    ptrdiff_t k;
+    pk_real q_row_room[PK_BLOCK + 2];
+    const pk_real *const q_row = pk_row(x, x->q, NULL, 1, p->N, from - 1, n + 2, q_row_room);
+    const pk_real *const q_dot_row = x->v + from - 1;
+    const pk_real p_alpha = p->alpha;
+
+    PK_LANE_LOOP
+    for (k = 0; k < n; k++) {
+        const pk_real q_ = q_row[k + 1];
+        const pk_real q_dot = q_dot_row[k];
+        const pk_real q_p1 = q_row[k + 2];
+        const pk_real q_m1 = q_row[k];
+        o[0][k] = q_dot;
+        const pk_real q_p1_minus_q_ = q_p1 - q_;
+        const pk_real q__minus_q_m1 = q_ - q_m1;
+        o[1][k] = p_alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_
+            - p_alpha * q__minus_q_m1 * q__minus_q_m1 - q__minus_q_m1;
+    }
+}
+
+PK_TERM(fput_momenta_0)
 {
     ptrdiff_t k;
     const pk_real *const q_dot_row = x->v + from - 1;
@@ -1376,15 +1376,31 @@ PK_TERM(fput_canonical_0)
     }
 }
 
-static void fput_acceleration_kick(const struct pk_members *x, ptrdiff_t from, ptrdiff_t n,
-                                   ptrdiff_t known, pk_real *e, pk_real kappa, pk_real delta,
-                                   pk_real *q, pk_real *v)
+PK_TERM(fput_kick_0)
 {
     const struct fput_params *const p = (const struct fput_params *)x->params;
+    ptrdiff_t k;
+    pk_real q_row_room[PK_BLOCK + 1];
+    const pk_real *const q_row = pk_row(x, x->q, NULL, 1, p->N, from, n + 1, q_row_room);
+    const pk_real p_alpha = p->alpha;
 
+    PK_LANE_LOOP
+    for (k = 0; k < n; k++) {
+        const pk_real q_ = q_row[k];
+        const pk_real q_p1 = q_row[k + 1];
+        const pk_real q_p1_minus_q_ = q_p1 - q_;
+        o[0][k] = p_alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
+    }
+}
+
+static void fput_kick_kick(const struct pk_members *x, ptrdiff_t from, ptrdiff_t n,
+                           ptrdiff_t known, pk_real *e, pk_real kappa, pk_real delta, pk_real *q,
+                           pk_real *v)
+{
+    const struct fput_params *const p = (const struct fput_params *)x->params;
     ptrdiff_t k;
 
-    pk_fill(x, fput_force_0, 1, 0, p->N, from - 1 + known, n + 1 - known, e + known, 513);
+    pk_fill(x, fput_kick_0, 1, 0, p->N, from - 1 + known, n + 1 - known, e + known, 513);
     PK_LANE_LOOP
     for (k = 0; k < n; k++) {
         v[from - 1 + k] += kappa * (e[k + 1] - e[k]);
@@ -1392,8 +1408,8 @@ static void fput_acceleration_kick(const struct pk_members *x, ptrdiff_t from, p
     }
 }
 
-static void fput_acceleration_drift(const struct pk_members *x, ptrdiff_t from, ptrdiff_t n,
-                                    pk_real delta, pk_real *q, const pk_real *v)
+static void fput_kick_drift(const struct pk_members *x, ptrdiff_t from, ptrdiff_t n,
+                            pk_real delta, pk_real *q, const pk_real *v)
 {
     ptrdiff_t k;
 
@@ -1403,7 +1419,7 @@ static void fput_acceleration_drift(const struct pk_members *x, ptrdiff_t from, 
         q[from - 1 + k] += delta * v[from - 1 + k];
 }
 
-PK_TERM(fput_mass_0)
+PK_TERM(fput_slopes_mass_0)
 {
     ptrdiff_t k;
 
@@ -1413,7 +1429,7 @@ PK_TERM(fput_mass_0)
 }
 
 static const struct pk_terms fput_slopes_mass_terms[1] = {
-    {fput_mass_0, 1, 3, 0, 0, 0}};
+    {fput_slopes_mass_0, 1, 3, 0, 0, 0}};
 static const struct pk_entry fput_slopes_mass_entries[1] = {
     {0, 0, 1, 0, {0, 1, 0, 0}, {0, 1, 0, 0}}};
 static const struct pk_matrix fput_slopes_mass_of = {
@@ -1422,16 +1438,15 @@ static const struct pk_matrix fput_slopes_mass_of = {
 PK_TERM(fput_slopes_jacobian_0)
 {
     const struct fput_params *const p = (const struct fput_params *)x->params;
-
     ptrdiff_t k;
-    pk_real q__row_room[PK_BLOCK + 1];
-    const pk_real *const q__row = fput_row_q(x, from, n + 1, q__row_room);
+    pk_real q_row_room[PK_BLOCK + 1];
+    const pk_real *const q_row = pk_row(x, x->q, NULL, 1, p->N, from, n + 1, q_row_room);
     const pk_real p_c1 = p->c_[1];
 
     PK_LANE_LOOP
     for (k = 0; k < n; k++) {
-        const pk_real q_ = q__row[k];
-        const pk_real q_p1 = q__row[k + 1];
+        const pk_real q_ = q_row[k];
+        const pk_real q_p1 = q_row[k + 1];
         const pk_real t1 = p_c1 * (q_p1 - q_);
         o[0][k] = 1 + t1;
         o[1][k] = 1 + t1;
@@ -1461,16 +1476,15 @@ PK_TERM(fput_energy_0)
 PK_TERM(fput_energy_1)
 {
     const struct fput_params *const p = (const struct fput_params *)x->params;
-
     ptrdiff_t k;
-    pk_real q__row_room[PK_BLOCK + 1];
-    const pk_real *const q__row = fput_row_q(x, from, n + 1, q__row_room);
+    pk_real q_row_room[PK_BLOCK + 1];
+    const pk_real *const q_row = pk_row(x, x->q, NULL, 1, p->N, from, n + 1, q_row_room);
     const pk_real p_c0 = p->c_[0];
 
     PK_LANE_LOOP
     for (k = 0; k < n; k++) {
-        const pk_real q_ = q__row[k];
-        const pk_real q_p1 = q__row[k + 1];
+        const pk_real q_ = q_row[k];
+        const pk_real q_p1 = q_row[k + 1];
         const pk_real q_p1_minus_q_ = q_p1 - q_;
         o[0][k] = q_p1_minus_q_ * q_p1_minus_q_ * (PK_C(0.5) + p_c0 * q_p1_minus_q_);
     }
@@ -1479,16 +1493,15 @@ PK_TERM(fput_energy_1)
 PK_TERM(fput_lagrangian_1)
 {
     const struct fput_params *const p = (const struct fput_params *)x->params;
-
     ptrdiff_t k;
-    pk_real q__row_room[PK_BLOCK + 1];
-    const pk_real *const q__row = fput_row_q(x, from, n + 1, q__row_room);
+    pk_real q_row_room[PK_BLOCK + 1];
+    const pk_real *const q_row = pk_row(x, x->q, NULL, 1, p->N, from, n + 1, q_row_room);
     const pk_real p_c0 = p->c_[0];
 
     PK_LANE_LOOP
     for (k = 0; k < n; k++) {
-        const pk_real q_ = q__row[k];
-        const pk_real q_p1 = q__row[k + 1];
+        const pk_real q_ = q_row[k];
+        const pk_real q_p1 = q_row[k + 1];
         const pk_real q_p1_minus_q_ = q_p1 - q_;
         o[0][k] = -q_p1_minus_q_ * q_p1_minus_q_ * (PK_C(0.5) + p_c0 * q_p1_minus_q_);
     }
@@ -1500,20 +1513,13 @@ void fput_force(const struct fput_params *p, pk_real t, const pk_real *q, const 
                 const pk_real *u, pk_real *PK_RESTRICT f)
 {
     const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
+    ptrdiff_t from, n;
 
-    {
-        pk_real e[513];
-        ptrdiff_t from, n, k, known = 0;
+    for (from = 1; from <= p->N; from += n) {
+        pk_real *const o[] = {f + from - 1};
 
-        for (from = 1; from <= p->N; from += n) {
-            n = pk_least(512, p->N + 1 - from);
-            pk_fill(x, fput_force_0, 1, 0, p->N, from - 1 + known, n + 1 - known, e + known, 513);
-            PK_LANE_LOOP
-            for (k = 0; k < n; k++)
-                f[from - 1 + k] = e[k + 1] - e[k];
-            pk_keep(e, 1, 513, n, 1);
-            known = 1;
-        }
+        n = pk_step(from, 1, p->N);
+        fput_force_0(x, 0, from, n, o);
     }
 }
 
@@ -1522,25 +1528,13 @@ void fput_canonical(const struct fput_params *p, pk_real t, const pk_real *q, co
                     const pk_real *u, pk_real *PK_RESTRICT momenta, pk_real *PK_RESTRICT pdot)
 {
     const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
+    ptrdiff_t from, n;
 
-    {
-        pk_real e[1026];
-        ptrdiff_t from, n, k, known = 0;
+    for (from = 1; from <= p->N; from += n) {
+        pk_real *const o[] = {momenta + from - 1, pdot + from - 1};
 
-        for (from = 1; from <= p->N; from += n) {
-            n = pk_least(512, p->N + 1 - from);
-            pk_fill(x, fput_canonical_0, 1, 1, p->N, from - 1 + known, n + 1 - known, e + known,
-                513);
-            pk_fill(x, fput_force_0, 1, 0, p->N, from - 1 + known, n + 1 - known, e + known + 513,
-                513);
-            PK_LANE_LOOP
-            for (k = 0; k < n; k++) {
-                momenta[from - 1 + k] = e[k + 1];
-                pdot[from - 1 + k] = e[k + 514] - e[k + 513];
-            }
-            pk_keep(e, 2, 513, n, 1);
-            known = 1;
-        }
+        n = pk_step(from, 1, p->N);
+        fput_canonical_0(x, 0, from, n, o);
     }
 }
 
@@ -1549,18 +1543,13 @@ void fput_momenta(const struct fput_params *p, pk_real t, const pk_real *q, cons
                   const pk_real *u, pk_real *PK_RESTRICT momenta)
 {
     const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
+    ptrdiff_t from, n;
 
-    {
-        pk_real e[512];
-        ptrdiff_t from, n, k;
+    for (from = 1; from <= p->N; from += n) {
+        pk_real *const o[] = {momenta + from - 1};
 
-        for (from = 1; from <= p->N; from += n) {
-            n = pk_least(512, p->N + 1 - from);
-            pk_fill(x, fput_canonical_0, 1, 1, p->N, from, n, e, 512);
-            PK_LANE_LOOP
-            for (k = 0; k < n; k++)
-                momenta[from - 1 + k] = e[k];
-        }
+        n = pk_step(from, 1, p->N);
+        fput_momenta_0(x, 0, from, n, o);
     }
 }
 
@@ -1569,20 +1558,13 @@ void fput_gradient(const struct fput_params *p, pk_real t, const pk_real *q, con
                    const pk_real *u, pk_real *PK_RESTRICT dLdq)
 {
     const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
+    ptrdiff_t from, n;
 
-    {
-        pk_real e[513];
-        ptrdiff_t from, n, k, known = 0;
+    for (from = 1; from <= p->N; from += n) {
+        pk_real *const o[] = {dLdq + from - 1};
 
-        for (from = 1; from <= p->N; from += n) {
-            n = pk_least(512, p->N + 1 - from);
-            pk_fill(x, fput_force_0, 1, 0, p->N, from - 1 + known, n + 1 - known, e + known, 513);
-            PK_LANE_LOOP
-            for (k = 0; k < n; k++)
-                dLdq[from - 1 + k] = e[k + 1] - e[k];
-            pk_keep(e, 1, 513, n, 1);
-            known = 1;
-        }
+        n = pk_step(from, 1, p->N);
+        fput_force_0(x, 0, from, n, o);
     }
 }
 
@@ -1594,33 +1576,11 @@ size_t fput_mass_size(const struct fput_params *p)
 void fput_mass(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                const pk_real *u, pk_real *PK_RESTRICT M)
 {
-    const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
-
-    {
-        pk_real e[512];
-        ptrdiff_t from, n, k;
-
-        for (from = 1; from <= p->N; from += n) {
-            n = pk_least(512, p->N + 1 - from);
-            pk_fill(x, fput_mass_0, 1, 1, p->N, from, n, e, 512);
-            PK_LANE_LOOP
-            for (k = 0; k < n; k++)
-                M[from - 1 + k] = e[k];
-        }
-    }
-}
-
-/* The failure of the first coordinate whose mass is not positive, or 0. */
-static int fput_pivot(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
-                      const pk_real *u, pk_real *M)
-{
     ptrdiff_t i;
 
-    fput_mass(p, t, q, v, u, M);
-    for (i = 0; i < (ptrdiff_t)fput_count(p); i++)
-        if (!(M[i] > 0))
-            return PK_FAILED(PK_FAILURE_MASS, i);
-    return 0;
+    (void)t, (void)q, (void)v, (void)u;
+    for (i = 0; i < (ptrdiff_t)(p->N); i++)
+        M[0 + i] = 1;
 }
 
 /* a = q'' with M a = f, M diagonal: a division a row. */
@@ -1628,9 +1588,7 @@ int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, 
                       const pk_real *u, pk_real *PK_RESTRICT a)
 {
     fput_force(p, t, q, v, u, a);
-    pk_bits bad = 0;
-
-    return bad ? fput_pivot(p, t, q, v, u, a) : 0;
+    return 0;
 }
 
 void fput_slopes_pattern(const struct fput_params *p, size_t *rows, size_t *width, size_t *border)
@@ -1676,12 +1634,7 @@ pk_real fput_energy(const struct fput_params *p, pk_real t, const pk_real *q, co
                     const pk_real *u)
 {
     const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
-    pk_real eight[8] = {0};
-
-    pk_sum(x, fput_energy_0, 1, p->N, eight);
-    pk_sum(x, fput_energy_1, 0, p->N, eight);
-    return pk_whole(eight);
-
+    return pk_sum(x, fput_energy_0, 1, p->N) + pk_sum(x, fput_energy_1, 0, p->N);
 }
 
 /* L. */
@@ -1689,12 +1642,7 @@ pk_real fput_lagrangian(const struct fput_params *p, pk_real t, const pk_real *q
                         const pk_real *v, const pk_real *u)
 {
     const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
-    pk_real eight[8] = {0};
-
-    pk_sum(x, fput_energy_0, 1, p->N, eight);
-    pk_sum(x, fput_lagrangian_1, 0, p->N, eight);
-    return pk_whole(eight);
-
+    return pk_sum(x, fput_energy_0, 1, p->N) + pk_sum(x, fput_lagrangian_1, 0, p->N);
 }
 
 /* T. */
@@ -1702,11 +1650,7 @@ pk_real fput_kinetic(const struct fput_params *p, pk_real t, const pk_real *q, c
                      const pk_real *u)
 {
     const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
-    pk_real eight[8] = {0};
-
-    pk_sum(x, fput_energy_0, 1, p->N, eight);
-    return pk_whole(eight);
-
+    return pk_sum(x, fput_energy_0, 1, p->N);
 }
 
 /* V. */
@@ -1714,18 +1658,14 @@ pk_real fput_potential(const struct fput_params *p, pk_real t, const pk_real *q,
                        const pk_real *u)
 {
     const struct pk_members state = {p, p->at_, t, q, v, u}, *const x = &state;
-    pk_real eight[8] = {0};
-
-    pk_sum(x, fput_energy_1, 0, p->N, eight);
-    return pk_whole(eight);
-
+    return pk_sum(x, fput_energy_1, 0, p->N);
 }
 
 void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
                   const pk_real *drift, pk_real t, pk_real h, unsigned long steps, pk_real *q,
                   pk_real *v)
 {
-    const struct pk_kicks of = {fput_acceleration_kick, fput_acceleration_drift, 1, p->N + 1, 512, 1, 513, 1};
+    const struct pk_kicks of = {fput_kick_kick, fput_kick_drift, 1, p->N + 1, 512, 1, 513, 1};
     pk_real e[513];
     struct pk_members x = {p, p->at_, t, q, v, NULL};
 
@@ -1733,26 +1673,13 @@ void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
 }
 const char fput_source_hash[65] =
     "e5622cd8c86f10467e1ae3f6893e6e7ffa61d620aa027de1d47c041ad1ee035a";
-
 const struct fput_size fput_size_names[1] = {
-    {{"N", "", "moving masses"}, offsetof(struct fput_params, N)},
-};
-
+    {{"N", "", "moving masses"}, offsetof(struct fput_params, N)}};
 const struct fput_parameter fput_parameters[1] = {
-    {{"alpha", "", ""}, offsetof(struct fput_params, alpha), 0, 1, 1},
-};
-
-const struct fput_quantity fput_coordinates[1] = {
-    {"q", "", ""},
-};
-
-const struct fput_quantity fput_rates[1] = {
-    {"q'", "", ""},
-};
-
-const struct fput_quantity fput_momentum_names[1] = {
-    {"p_q", "", ""},
-};
+    {{"alpha", "", ""}, offsetof(struct fput_params, alpha), 0, 1, 1}};
+const struct fput_quantity fput_coordinates[1] = {{"q", "", ""}};
+const struct fput_quantity fput_rates[1] = {{"q'", "", ""}};
+const struct fput_quantity fput_momentum_names[1] = {{"p_q", "", ""}};
 
 #ifdef PK_RUNTIME
 #define fput_kernels_are_here

@@ -32,12 +32,11 @@
  *
  * Operations of each kernel, without those of fput_prepare():
  *
- *   force: 4 operations: 1 +, 1 -, 2 * a member
- *   canonical: 4 operations: 1 +, 1 -, 2 * a member
+ *   force: 9 operations: 1 +, 4 -, 4 * a member
+ *   canonical: 9 operations: 1 +, 4 -, 4 * a member
  *   momenta: no operations a member
- *   gradient: 4 operations: 1 +, 1 -, 2 * a member
- *   acceleration: 4 operations: 1 +, 1 -, 2 * a member
- *   mass: no operations a member
+ *   gradient: 9 operations: 1 +, 4 -, 4 * a member
+ *   acceleration: 9 operations: 1 +, 4 -, 4 * a member
  *   energy: 7 operations: 1 +, 1 -, 5 * a member
  *   lagrangian: 8 operations: 1 +, 1 -, 5 *, 1 neg a member
  *   kinetic: 2 operations: 2 * a member
@@ -140,9 +139,11 @@ typedef uint64_t pk_bits;
 
 #if defined __GNUC__
 #define PK_INLINE inline __attribute__((always_inline, unused))
+#define PK_PERHAPS __attribute__((unused))
 #define PK_RARELY __attribute__((noinline, cold))
 #else
 #define PK_INLINE inline
+#define PK_PERHAPS
 #define PK_RARELY
 #endif
 

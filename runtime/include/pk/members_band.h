@@ -14,6 +14,7 @@
 #include <pk/ldl.h>
 #include <pk/members_ends.h>
 #include <pk/members_list.h>
+#include <pk/members_rows.h>
 
 /* The ends of a family: see pk_home(). Its range is in the array `at` of struct pk_members: the
  * number of its first member in arrays, its least and its greatest index. */
@@ -306,7 +307,7 @@ PK_PERHAPS static void pk_scatter(const struct pk_members *x, const struct pk_pl
         while (next < of->n_entries && of->entries[next].terms == g)
             next++;
         for (m = x->at[terms->over]; m <= x->at[terms->over + 1]; m += n) {
-            n = pk_least(of->chunk, x->at[terms->over + 1] + 1 - m);
+            n = pk_least(pk_least(of->chunk, PK_BLOCK), x->at[terms->over + 1] + 1 - m);
             terms->values(x, 0, m, n, o);
             for (k = first; k < next; k++) {
                 const struct pk_entry *entry = of->entries + k;

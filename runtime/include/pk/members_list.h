@@ -17,8 +17,10 @@ struct pk_terms {
 PK_PERHAPS static ptrdiff_t pk_partners(const struct pk_members *x, const struct pk_terms *of,
                                         ptrdiff_t m, ptrdiff_t *j)
 {
-    *j = x->at[of->over + 2] + of->first * m;
-    return pk_most(0, x->at[of->over + 3] + of->last * m + 1 - *j);
+    const ptrdiff_t first = x->at[of->over + 2] + of->first * m;
+    const ptrdiff_t end = x->at[of->over + 3] + of->last * m + 1;
+    *j = first;
+    return end > first ? end - first : 0;
 }
 
 /* Writes the values of some terms, each with one for each member or pair, one behind the other.

@@ -77,9 +77,11 @@ typedef uint64_t pk_bits;
 
 #if defined __GNUC__
 #define PK_INLINE inline __attribute__((always_inline, unused))
+#define PK_PERHAPS __attribute__((unused))
 #define PK_RARELY __attribute__((noinline, cold))
 #else
 #define PK_INLINE inline
+#define PK_PERHAPS
 #define PK_RARELY
 #endif
 

@@ -23,6 +23,7 @@ from .parameter_code import (
     derived,
     ends,
     hoisted,
+    scoped,
 )
 from .program import Interval, Statement
 from .tree import Declare, Function, If, Loop, Node, Scope
@@ -103,7 +104,7 @@ def code(
         assigned(default, count),
         group.declared.follows,
         each(lo, hi, checked(field, k, bounds, given.lo_open, given.hi_open)),
-        [*first, *ends(k, bounds)],
+        scoped([*first, *needs], [*first, *ends(k, bounds)]),
     )
 
 
@@ -133,14 +134,14 @@ def functions(
     params = f"struct {model}_params *p"
     defaults = [node for row in rows for node in row.default]
     follow = [node for row in rows if row.follows for node in row.default]
-    bounds = [Scope(row.bounds) for row in rows]
+    bounds = [node for row in rows for node in row.bounds]
     start = [node for x in starts for node in assigned(x, summed)]
     none = Loop(f"m = 0; m < (ptrdiff_t){model}_count(p); m++", ["q[m] = v[m] = 0;"])
 
     def prepared() -> Iterator[Node]:
-        if count:
+        if count > 1:
             yield Declare("size_t", "k")
-        yield from _index(node for row in rows for node in row.check) or [""]
+        yield from _index(node for row in rows for node in row.check) or [""] * (count > 1)
         unfit = f"!{model}_fits(p)" + " || !p->work_" * block
         yield If(unfit, ["return PK_FAILED(PK_FAILURE_SIZE, 0);"])
         yield from checks(rows)

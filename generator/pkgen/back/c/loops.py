@@ -138,7 +138,7 @@ class Lowering(Hoisting):
         """Returns the name of the C pointer to the members around a slot."""
         key = replace(slot, at=slot.at - slot.at.constant)
         if key not in self._pointers:
-            self._pointers[key] = self._locals.take(f"{self._local(key)}_row")
+            self._pointers[key] = self._locals.take(f"{self._local(key).rstrip('_')}_row")
         return self._pointers[key]
 
     def _written(self, targets: list[Target], block: Block) -> list[Statement]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from ...graph.affine import ROW
 from ...graph.collect import THOROUGH, fewest, settled
 from ...graph.differentiate import reachable
 from ...graph.graph import ZERO, Node
@@ -19,6 +18,7 @@ from ...middle.loops.loops import LoopEquations
 from ...middle.loops.slots import Slots
 from ..targets import STORE, Target
 from .loops_blocks import TERMS, Block
+from .loops_merge import merged, moves
 from .loops_places import Places
 from .loops_readers import beyond
 
@@ -88,6 +88,7 @@ class Vector(Kernel):
     outputs: int
     finish: str = "STORE"  # or QUOTIENT, DIVIDE (see members.h)
     kicks: bool = False  # whether it is an acceleration by which members are kicked
+    is_merged: bool = False  # whether each row is one term (see loops_merge.py)
 
 
 class Builder:
@@ -112,12 +113,15 @@ class Builder:
         groups: Iterable[Group],
         finish: str = "STORE",
         short: bool = True,
+        merge: bool = True,
     ) -> Vector:
-        groups = list(groups)
+        groups, outputs = list(groups), [list(x) for x in outputs]
+        rows = merged(outputs, groups, self.slots, self.e.wraps) if merge else None
         families = [g for g in groups if g.is_family]
         scalars = [g for g in groups if not g.is_family]
-        terms, goals = self._made(name, outputs, short)
-        return Vector(name, terms, goals, families, scalars, len(outputs), finish)
+        terms, goals = self._made(name, rows or outputs, short)
+        count = len(outputs)
+        return Vector(name, terms, goals, families, scalars, count, finish, is_merged=bool(rows))
 
     def totals(self, name: str, addends: Iterable[Addend], short: bool = True) -> list[Terms]:
         """Returns terms with one value each, whose sum is the total."""
@@ -202,8 +206,14 @@ def halo_of(vector: Kernel) -> int:
 def added(vector: Vector, e: LoopEquations) -> int:
     """Returns the number of values that are added to rows one by one (see members_ends.h)."""
     singles = sum(not goal.terms.over for goal in vector.goals)
-    ends = sum(sum(beyond(g, e.wraps.get(g.name, 0))) for g in vector.families)
+    ends = sum(sum(rows_beyond(vector, g, e)) for g in vector.families)
     return singles + ends * vector.outputs
+
+
+def rows_beyond(vector: Vector, g: Group, e: LoopEquations) -> tuple[int, int]:
+    """Returns how many rows below the first member of a family, and above the last one, are added
+    to the members that they stand for."""
+    return (0, 0) if vector.is_merged else beyond(g, e.wraps.get(g.name, 0))
 
 
 def reach(vector: Kernel) -> tuple[int, int]:
@@ -214,9 +224,3 @@ def reach(vector: Kernel) -> tuple[int, int]:
         if len(goal.terms.over) == 2 and moves(goal.to[0])
     ]
     return min(offsets, default=0), max(offsets, default=0)
-
-
-def moves(cell: Cell) -> bool:
-    """Returns whether the index of a cell is m plus a constant."""
-    at = cell[1]
-    return at is not None and at.factor(ROW) == 1 and at.without(ROW).is_constant

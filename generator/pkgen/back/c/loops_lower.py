@@ -63,13 +63,18 @@ class _Context:
         builder = Builder(e, self.places)
         self.plan = planned(e, builder, kernels)
         self.slots = builder.slots
-        self.block = block_of(self.plan.terms, self.slots)
+        self.block = block_of(self.plan.all_terms, self.slots)
         self.fused = "advance" in kernels and has_steps(e, self.plan, self.slots)
-        self.lag = 0
+        self.lag, self.kicks = 0, ""
         if self.fused:
             vector = self.plan.vectors["acceleration"]
+            if vector.is_merged:
+                outputs, finish = self.plan.accelerated
+                vector = builder.vector("kick", outputs, e.coordinates, finish, merge=False)
+                self.plan.vectors["kick"] = vector
             self.lag = lag_of(e, vector, self.slots, self.block)
             vector.kicks = True
+            self.kicks = vector.name
         # No nodes are added to the graph after this.
         self.e = e = replace(e, slots=tuple(self.slots.all))
         self.given = {at: [_value(node) for node in nodes] for at, nodes in e.given.items()}
@@ -146,6 +151,7 @@ class _Context:
         banded = "inertia" in plan.matrices
         layouts = self._layouts()
         regions = memory_regions(e, self.places, plan, layouts, answered or accelerates)
+        block = bool(regions or e.switches or self._families_of_parameters)
         found = {
             **frame(model, _told(e), set(system) - own, parameters, loops_tables.names(e)),
             "n": e.count.value(size_values(model)),
@@ -156,9 +162,9 @@ class _Context:
             "cyclic": (),
             "forms": (),
             "n_hoisted": w.hoisted_count,
-            "parameter_functions": self._parameter_functions(
-                constant and banded, bool(regions or e.switches or self._families_of_parameters)
-            ),
+            "block": block,
+            "block_of_more": self._families_of_parameters,
+            "parameter_functions": self._parameter_functions(constant and banded, block),
             "sizes": [
                 {"c_name": self.places.sizes[s.name], "name": s.name, "value": s.value}
                 | {"says": s.description}
@@ -215,7 +221,8 @@ class _Context:
             "same_as_force": self._same_as_force,
             "constant_mass": constant,
             "masses": [block.value for block in plan.masses],
-            "checked": "mass" in plan.vectors,
+            "checked": "mass" in plan.vectors or bool(plan.masses),
+            "alike": [(group(g), plan.alike[g.name].value) for g in e.coordinates if plan.alike],
             "helpers": helpers(w.helpers),
             "float_too": w.work.constants.float_too,
             "operations": list(self._operations()),
@@ -223,6 +230,7 @@ class _Context:
             "constant": labelled(invariants(e, e.facts)),
             "stepper": self.fused,
             "lag": self.lag,
+            "kicks": self.kicks,
         }
         text = KernelText(model.name, self.numbers, self.readers, self.block)
 
@@ -236,7 +244,7 @@ class _Context:
         found |= {
             "headers": self._headers(layouts),
             "vector_texts": self.vectors,
-            "added_up": self._total,
+            "total": self._total,
         }
         # All ranges are known now: behind them in `at_` are the places of the regions.
         room = 3 * len(self.numbers.rows) + len(self.numbers.more)
@@ -272,20 +280,26 @@ class _Context:
         matrices = bool(layouts or plan.made)
         lists = bool(plan.singularities or plan.switches or self.e.pivots or matrices)
         homes = self.readers.use_homes or any(x.has_ends for x in self.vectors.values())
+        pairs = any(terms.is_pairs for terms in plan.all_terms)
+        filled = plan.observed or pairs or not all(x.is_direct for x in self.vectors.values())
+        angles = any(terms.block.trig for terms in plan.all_terms)
         names = ["members.h"]
+        names += ["members_angles.h"] * angles
+        names += ["members_rows.h"] * bool(filled or matrices or plan.chain)
         names += ["members_ends.h"] * (homes or matrices)
         names += ["members_list.h"] * lists
         names += ["ldl.h", "members_band.h"] * matrices
         names += ["members_chain.h"] * bool(plan.made)
         names += ["members_steps.h"] * self.fused
-        block = f"#define PK_BLOCK {self.block}\n" if self.block != BLOCK else ""
-        return [block] * bool(block) + [*map(pasted, names)]
+        found = [*map(pasted, names)]
+        found[0] = found[0].replace(f"PK_BLOCK {BLOCK} ", f"PK_BLOCK {self.block} ")
+        return found
 
     def _vector(self, text: KernelText, vector: Vector) -> str:
         """Returns the functions that the C text of a vector needs before its kernel."""
         made = VectorText(vector, self.e, self.places, self.readers, self.block)
         self.vectors[vector.name] = made
-        unused = vector.name == "acceleration" and self._same_as_force and not self.fused
+        unused = vector.name == "acceleration" and self._same_as_force and not vector.kicks
         return text.functions(vector.terms) + ("" if unused else made.functions)
 
     def _tables(self, text: KernelText, layouts: dict[str, Layout]) -> str:
@@ -333,13 +347,22 @@ class _Context:
         ]
         return k, extreme(ends[0], "pk_least"), extreme(ends[1], "pk_most"), rows
 
-    def _total(self, terms: Terms) -> list[str]:
-        """Returns the C lines that add a total's term to the partial sums."""
-        if terms.is_pairs:
-            lines = ["pk_add_up(o[0], n, 1, eight);"]
-            return rendered([Scope([*pair_loop(self.e.model.name, self.places, terms, lines)])])
-        lo, hi = map(self.places.index, terms.over or (Affine(), Affine()))
-        return rendered([f"pk_sum(x, {self.e.model.name}_{terms.name}, {lo}, {hi}, eight);"])
+    def _total(self, found: list[Terms]) -> str:
+        """Returns the C lines that return a total."""
+        name, parts, lines = self.e.model.name, [], []
+        for terms in found:
+            if terms.is_pairs:
+                adding = ["pk_add_up(o[0], n, 1, eight);"]
+                lines.append(Scope([*pair_loop(name, self.places, terms, adding)]))
+                continue
+            lo, hi = map(self.places.index, terms.over or (Affine(), Affine()))
+            parts.append(f"pk_sum(x, {name}_{terms.name}, {lo}, {hi})")
+        if lines:
+            lines.insert(0, "pk_real eight[8] = {0};")
+            parts.append("pk_whole(eight)")
+        if not parts:
+            lines.append("(void)x;")
+        return "\n".join(rendered([*lines, f"return {' + '.join(parts) or 0};"]))
 
     def _parameter_functions(self, factored: bool, block: bool) -> str:
         e, w = self.e, self.lowering

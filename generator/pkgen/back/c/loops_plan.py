@@ -51,7 +51,11 @@ class Plan:
     singularities: list[Terms] = field(default_factory=list)
     switches: list[Terms] = field(default_factory=list)
     chain: Chain | None = None
-    masses: list[Block] = field(default_factory=list)  # the same for all members of a family
+    # The mass of each family or scalar, if it is the same for all members and needed; those that
+    # may not be positive.
+    alike: dict[str, Block] = field(default_factory=dict)
+    masses: list[Block] = field(default_factory=list)
+    accelerated: tuple[list[Sum], str] = ([], "")  # the outputs and the finish of accelerations
     made: tuple[Kernel, ...] = ()  # the rows of matrices that define carried values
     slopes: Slopes | None = None
 
@@ -63,6 +67,16 @@ class Plan:
         yield from (*self.observed.values(), *self.singularities, *self.switches)
 
     @property
+    def all_terms(self) -> Iterator[Terms]:
+        """The terms, and those of recurrences."""
+        yield from self.terms
+        if self.chain:
+            yield from (x.terms for levels in self.chain.carrying.levels.values() for x in levels)
+            elimination = self.chain.elimination
+            for rows in elimination.mass if elimination else ():
+                yield from rows.vector.terms
+
+    @property
     def kernels(self) -> Iterator[Kernel]:
         found = (self.vectors, self.matrices, self.rates)
         yield from (kernel for kernels in found for kernel in kernels.values())
@@ -71,7 +85,7 @@ class Plan:
     @property
     def blocks(self) -> Iterator[Block]:
         yield from {terms.name: terms.block for terms in self.terms}.values()
-        yield from self.masses
+        yield from (*self.alike.values(), *self.masses)
         if self.chain:
             yield from self.chain.blocks
 
@@ -148,19 +162,23 @@ def _plan_divided(e: LoopEquations, make: Builder, plan: Plan, kernels: frozense
     mass = tuple(Addend(x.over, x.node, x.to[:1]) for x in e.mass)
     same = {g.name: _same_mass(e, make, g) for g in e.coordinates}
     groups, divide = e.coordinates, e.graph.divide
+    is_read = {"mass", "inertia"} & kernels or e.pivots
     if e.has_pairs:
         plan.vectors["divide"] = make.vector("divide", [mass], groups, "DIVIDE")
     elif all(node is not None for node in same.values()):
-        a = [Addend(x.over, divide(x.node, same[x.to[0][0]]), x.to) for x in e.force]
+        a = tuple(Addend(x.over, divide(x.node, same[x.to[0][0]]), x.to) for x in e.force)
+        plan.accelerated = [a], "STORE"
         plan.vectors["acceleration"] = make.vector("acceleration", [a], groups)
         values = ((node, e.graph.value(node)) for node in dict.fromkeys(same.values()))
         checked = [node for node, value in values if value is None or value <= 0]
         plan.masses = [Block.of(RETURN, "", [node], INNER) for node in checked]
-        if not (checked or {"mass", "inertia"} & kernels or e.pivots):
-            return
+        if checked or is_read:
+            plan.alike = {k: Block.of(RETURN, "", [node], INNER) for k, node in same.items()}
+        return
     else:
+        plan.accelerated = [e.force, mass], "QUOTIENT"
         plan.vectors["acceleration"] = make.vector(
-            "acceleration", [e.force, mass], groups, "QUOTIENT"
+            "acceleration", plan.accelerated[0], groups, "QUOTIENT"
         )
     plan.vectors["mass"] = make.vector("mass", [mass], groups)
 

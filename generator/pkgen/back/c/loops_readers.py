@@ -1,10 +1,10 @@
-"""C functions that read members of families: NAME_read_Q(x, i) returns a member of Q, NAME_row_Q a
-pointer to successive members. Both include the members beyond the ends of the family."""
+"""C functions that read members of families: NAME_read_Q(x, i) returns a member of Q, also one
+beyond the ends of the family. Terms read successive members by pk_row() of members.h."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -71,7 +71,8 @@ def declared(model: str, body: Sequence[Node]) -> list[Node]:
         )
         if word in words
     ]
-    return [*found, *([""] if found else []), *body]
+    declares = isinstance(body[0], str) and body[0].startswith(("ptrdiff_t ", "const ", "pk_"))
+    return [*found, *([""] if found and not declares else []), *body]
 
 
 class Readers:
@@ -95,7 +96,9 @@ class Readers:
         """Returns the C expression of a member, for the index m, or the indices m and j."""
         if not self._is_inside(slot, over):
             own = self._reader(slot.kind, slot.name)
-            return Code(f"{self.name}_read_{own}(x, {self.places.index(slot.at)})", ("m",))
+            return Code(
+                f"{self.name}_read_{own}(x, {self.places.index(slot.at or Affine())})", ("m",)
+            )
         return Code("PK_C(0.0)" if self._is_zero(slot) else self._stored(slot), ("m",))
 
     def pointer(self, row: Row, over: Over) -> str:
@@ -106,11 +109,18 @@ class Readers:
         if inside and not self._is_zero(low):
             return self._pointer(replace(low, at=first))
         key, span = (low.kind, low.name), row.high - row.low
-        own = self._reader(*key)
-        self._rows.add(key)
         count = f"n + {span}" if span else "n"
-        index = self.places.index(first)
-        return f"{self.name}_row_{own}(x, {index}, {count}, {row.pointer}_room)"
+        to = f"{self.places.index(first)}, {count}, {row.pointer}_room"
+        if self._is_zero(low):
+            self._rows.add(key)
+            return f"{self.name}_row_{self._reader(*key)}(x, {to})"
+        ends, is_side = self._ends(low), low.kind == "side"
+        base = self._pointer(
+            replace(low, at=variable(ends.lo) if is_side else self.groups[low.name].lo)
+        )
+        reads = ends.are_members or any(self._given(low))
+        read = f"{self.name}_read_{self._reader(*key)}" if reads else "NULL"
+        return f"pk_row(x, {base}, {read}, {ends.lo}, {ends.hi}, {to})"
 
     def _is_zero(self, slot: Slot) -> bool:
         """Returns whether all existing members are 0."""
@@ -139,7 +149,8 @@ class Readers:
         if slot.kind == "side":
             return f"p->side_ + p->side_at_[{slot.name}] + {self.places.index(slot.at)}"
         array, place = self.places.stored(slot)
-        return f"{_in_x(array)} + {self.places.index(place)}"
+        index = self.places.index(place)
+        return _in_x(array) if index == "0" else f"{_in_x(array)} + {index}"
 
     # -- the functions -------------------------------------------------------------------------
 
@@ -177,22 +188,15 @@ class Readers:
 
     def _text(self, slot: Slot, own: str) -> str:
         read, row = (f"{self.name}_{x}_{own}" for x in ("read", "row"))
-        ends, body = self._ends(slot), list(self._body(slot))
+        body = list(self._body(slot))
         made = [
             Function(
                 f"PK_PERHAPS static pk_real {read}({X}, ptrdiff_t i)", declared(self.name, body)
             )
         ]
         if (slot.kind, slot.name) in self._rows:
-            if self._is_zero(slot):
-                loop = Loop("k = 0; k < n; k++", [f"room[k] = {read}(x, from + k);"])
-                body = ["ptrdiff_t k;", "", loop, "return room;"]
-            else:
-                is_side = slot.kind == "side"
-                least = variable(ends.lo) if is_side else self.groups[slot.name].lo
-                first = self._pointer(replace(slot, at=least))
-                call = f"pk_row(x, {first}, {read}, {ends.lo}, {ends.hi}, from, n, room)"
-                body = [f"return {call};"]
+            loop = Loop("k = 0; k < n; k++", [f"room[k] = {read}(x, from + k);"])
+            body = ["ptrdiff_t k;", "", loop, "return room;"]
             head = f"static const pk_real *{row}({X}, ptrdiff_t from, ptrdiff_t n, pk_real *room)"
             made.append(Function(head, declared(self.name, body)))
         return "".join(f"{function.text}\n" for function in made)
@@ -214,7 +218,7 @@ class Readers:
             yield If(f"i == {at}", [*statements(block.statements)])
         yield "return 0;"
 
-    def _given(self, slot: Slot) -> Iterable[tuple[str, Block]]:
+    def _given(self, slot: Slot) -> Iterator[tuple[str, Block]]:
         """Yields the index and the block of each given member that is not always 0."""
         g = self.groups.get(slot.name)
         orders = {} if g is None or g.is_carried else OF_STATES if g.is_state else ORDERS

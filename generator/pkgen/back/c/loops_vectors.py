@@ -13,9 +13,10 @@ from ...graph.affine import OTHER, Affine, variable
 from ...middle.loops.indexed_ir import Group
 from ...middle.loops.loops import LoopEquations
 from .loops_blocks import plus
-from .loops_kernels import Goal, Terms, Vector, added, chunk_of, halo_of, moves, reach
-from .loops_places import Places
-from .loops_readers import Ends, Readers, beyond, declared
+from .loops_kernels import Goal, Terms, Vector, added, chunk_of, halo_of, reach, rows_beyond
+from .loops_merge import moves
+from .loops_places import M, Places
+from .loops_readers import Ends, Readers, declared
 from .tree import Function, If, Loop, Node, Scope, rendered
 
 X = "const struct pk_members *x"
@@ -32,7 +33,7 @@ class VectorText:
         self.width = self.chunk + self.halo
         self.values = sum(len(terms.nodes) for terms in of.of(2))
         self.ends = {g.name: readers.ends(g) for g in of.families}
-        self.beyond = {g.name: beyond(g, e.wraps.get(g.name, 0)) for g in of.families}
+        self.beyond = {g.name: rows_beyond(of, g, e) for g in of.families}
         self.has_ends = self.count > 0
         self.scalars = [g.name for g in of.scalars]
         self.finished = of.outputs if of.finish == "STORE" else 1
@@ -147,8 +148,8 @@ class VectorText:
         """Yields the rows beyond the ends of a family."""
         ends, width = self.ends[g.name], self.halo + 1
         below, above = self.beyond[g.name]
-        rows = [f"{ends.lo} - {k}" for k in range(1, below + 1)]
-        rows += [f"{ends.hi} + {k}" for k in range(1, above + 1)]
+        rows = [self.index(g.lo - k) for k in range(1, below + 1)]
+        rows += [self.index(g.hi + k) for k in range(1, above + 1)]
         if not self.values:
             return
         for row in rows:
@@ -250,6 +251,8 @@ class VectorText:
         if self._to_scalars:
             head.append(f"pk_real sums[{scalars}][8] = {{{{0}}}};")
         head += self._added_to("PTRDIFF_MIN", "PTRDIFF_MAX", "scalars" if scalars else "NULL")
+        if self.is_direct:
+            return "\n".join(rendered(self._direct(out)))
         loop = [*self._chunks(out, bad)]
         if loop:
             names = ["from", "n", *["k"] * bool(of.families), *["known = 0"] * bool(self.halo)]
@@ -262,7 +265,43 @@ class VectorText:
         for terms in of.of(4):
             more += self._pairs(terms, out)
         body = [*head, *(loop if not more else [Scope(loop)] if loop else []), *more]
-        return "\n".join(rendered([Scope([*body, *_unused(("x", *out), body)])]))
+        return "\n".join(rendered([*body, *_unused(("x", *out), body)]))
+
+    @property
+    def is_direct(self) -> bool:
+        """Whether each row is one value of one term, which writes the rows itself."""
+        of, goals = self.of, self.of.goals
+        cells = {(goal.to[0][0], goal.output) for goal in goals}
+        return (
+            of.finish == "STORE"
+            and not (self.has_ends or of.scalars or of.of(4))
+            and len(goals) == len(cells) > 0
+            and len(goals) == len(of.families) * of.outputs
+            and len(goals) == sum(len(terms.nodes) for terms in of.terms)
+            and all(goal.sign > 0 and goal.to[0][1] == M for goal in goals)
+            and all(self._is_whole(goal) for goal in goals)
+        )
+
+    def _is_whole(self, goal: Goal) -> bool:
+        ends = self.ends[goal.to[0][0]]
+        return tuple(map(self.index, goal.terms.over)) == (ends.lo, ends.hi)
+
+    def _direct(self, out: Sequence[str]) -> Iterator[Node]:
+        """Yields the loops in which terms write rows."""
+        yield "ptrdiff_t from, n;"
+        yield ""
+        groups = {g.name: g for g in self.of.families}
+        for terms in self.of.terms:
+            goals = sorted((x for x in self.of.goals if x.terms is terms), key=lambda x: x.value)
+            lo, hi = map(self.index, terms.over)
+            to = [f"{out[x.output]} + {self._place(groups[x.to[0][0]], 'from')}" for x in goals]
+            body = [
+                f"pk_real *const o[] = {{{', '.join(to)}}};",
+                "",
+                f"n = pk_step(from, {lo}, {hi});",
+                f"{self.model}_{terms.name}(x, 0, from, n, o);",
+            ]
+            yield Loop(f"from = {lo}; from <= {hi}; from += n", [Scope(body)])
 
     def _chunks(self, out: Sequence[str], bad: str) -> Iterator[Node]:
         if not self.of.families and not self._to_scalars:

@@ -67,13 +67,16 @@ def hoisted(count: int, code: Iterable[Node]) -> Iterator[Node]:
         return
     yield from code
     yield from ("", f"/* {FINITE} */")
+    if count == 1:
+        yield If("!(0 * p->c_[0] == 0)", [NOT_FINITE])
+        return
     yield Loop(f"k = 0; k < {count}; k++", [If("!(0 * p->c_[k] == 0)", [NOT_FINITE])])
 
 
 # -- models without loops --------------------------------------------------------------------------
 
 
-def _scoped(needs: Sequence[Statement], nodes: list[Node]) -> list[Node]:
+def scoped(needs: Sequence[Statement], nodes: list[Node]) -> list[Node]:
     """Returns the nodes; if the statements `needs` are not empty, in a C scope of their own."""
     return [Scope(nodes)] if needs else nodes
 
@@ -86,10 +89,10 @@ def _rows(program: Program) -> Iterator[ParameterCode]:
         field, needs = f"p->{program.parameter_names[k]}", bounds.statements
         check = checked(field, k, bounds, slot.lo_open, slot.hi_open)
         yield ParameterCode(
-            _scoped(default[1:], [*statements(default)]),
+            scoped(default[1:], [*statements(default)]),
             slot.follows,
-            _scoped(needs, check),
-            _scoped(needs, ends(k, bounds)),
+            scoped(needs, check),
+            scoped(needs, ends(k, bounds)),
         )
 
 
