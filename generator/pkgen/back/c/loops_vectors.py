@@ -181,21 +181,33 @@ class VectorText:
             quotient = self.of.finish == "QUOTIENT"
             a = f"({values[0]}) / ({values[1]})" if quotient else values[0]
             fused = self._lane_loop(low, high, [f"{v} += kappa * ({a});", f"{q} += delta * {v};"])
-            if not self.has_ends:
+            if not (self.has_ends and quotient):
                 body += fused
+                body += self._kicked_ends(number, g) if self.has_ends else ()
                 continue
-            a = "r[k] / r[PK_BLOCK + k]" if quotient else "r[k]"
-            body.append(If("!n_added", [Scope(fused)]))
+            a = "r[k] / r[PK_BLOCK + k]"
             slow = [f"pk_real r[{self.of.outputs} * PK_BLOCK];", ""]
             slow += self._buffered(number, values, low, high, "PK_BLOCK")
             slow += self._lane_loop(low, high, [f"{v} += kappa * ({a});", f"{q} += delta * {v};"])
-            body.append(If("n_added", [Scope(slow)]))
+            body += [If("!n_added", [Scope(fused)]), If("n_added", [Scope(slow)])]
         args = "ptrdiff_t known, pk_real *e, pk_real kappa, pk_real delta, pk_real *q, pk_real *v"
         head = f"static void {self.name}_kick({X}, ptrdiff_t from, ptrdiff_t n, {args})"
         return (
             Function(head, [*declared(self.model, body), *_unused(("x", "known", "e"), body)]).text
             + "\n"
         )
+
+    def _kicked_ends(self, number: int, g: Group) -> Iterator[Node]:
+        """Yields the lines that kick single rows by what is added to their accelerations."""
+        at = self._place(g, "added[k].i")
+        kicks = [
+            "const pk_real kick = kappa * added[k].value;",
+            "",
+            f"v[{at}] += kick;",
+            f"q[{at}] += delta * kick;",
+        ]
+        own = If(f"added[k].family == {number}", [Scope(kicks)])
+        yield Loop("k = 0; k < n_added; k++", [own])
 
     def _drift(self) -> str:
         body: list[Node] = ["ptrdiff_t k;", "", "(void)x;"]
