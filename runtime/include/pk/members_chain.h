@@ -44,10 +44,40 @@ PK_PERHAPS static void pk_made_range(const struct pk_members *x, const struct pk
     }
 }
 
-/* Adds C^T W C to M and C behind it, for the rows of `count` matrices. W is half the inertia of
- * the value itself, or without one the inertia of its columns by their squared slopes. */
+/* The diagonal entry of place i among matrices in bands. */
+PK_INLINE static pk_real *pk_in_band(const struct pk_places *p, pk_real *M, ptrdiff_t i)
+{
+    const ptrdiff_t width = p->of->width, border = p->all - p->banded;
+
+    if (i < p->banded)
+        return M + i * (2 * width + 1) + width;
+    return M + p->banded * (2 * width + 1) + (p->banded + i) * border + i - p->banded;
+}
+
+/* Returns half the inertia of the value c[0] itself, or without one the inertia of its columns by
+ * their squared slopes. */
+PK_PERHAPS static pk_real pk_weight(const struct pk_ldl *A, int n, const ptrdiff_t *c,
+                                    const pk_real *r)
+{
+    const pk_real weight = *pk_ldl_entry(A, c[0], c[0]) / 2;
+    pk_real own = 0, slopes = 0;
+    int i;
+
+    for (i = 1; i < n && !(weight > 0); i++)
+        if (c[i] >= 0) {
+            const pk_real of_i = *pk_ldl_entry(A, c[i], c[i]);
+            own += of_i;
+            slopes += of_i > 0 ? r[i] * r[i] : r[i] * r[i] / 1024;
+        }
+    if (weight > 0)
+        return weight;
+    return own > 0 && slopes > PK_C(1e-30) * own ? own / slopes : 1;
+}
+
+/* Adds C^T W C to M, for the rows of `count` matrices: to M = K with C behind it, or, if `banded`,
+ * to M among matrices in bands, which have C already. */
 PK_PERHAPS static void pk_made(const struct pk_members *x, const struct pk_places *p,
-                               const struct pk_matrix *const *of, int count, pk_real *M)
+                               const struct pk_matrix *const *of, int count, int banded, pk_real *M)
 {
     const struct pk_ldl A = pk_lower(p, M);
     ptrdiff_t lo = PTRDIFF_MAX, hi = PTRDIFF_MIN, m, c[PK_MOST_VALUES];
@@ -59,21 +89,21 @@ PK_PERHAPS static void pk_made(const struct pk_members *x, const struct pk_place
     for (m = hi; m >= lo; m--)
         for (g = count - 1; g >= 0; g--) {
             const int n = pk_made_row(x, p, of[g], m, c, r);
-            pk_real weight, own = 0, slopes = 0;
+            pk_real weight;
             ptrdiff_t row;
             if (!n)
                 continue;
-            row = pk_place(x, p, of[g]->entries->row.unknown, m);
-            weight = *pk_ldl_entry(&A, c[0], c[0]) / 2;
-            if (!(weight > 0)) {
-                for (i = 1; i < n; i++)
-                    if (c[i] >= 0) {
-                        const pk_real of_i = *pk_ldl_entry(&A, c[i], c[i]);
-                        own += of_i;
-                        slopes += of_i > 0 ? r[i] * r[i] : r[i] * r[i] / 1024;
-                    }
-                weight = own > 0 && slopes > PK_C(1e-30) * own ? own / slopes : 1;
+            if (banded) {
+                weight = *pk_in_band(p, M, c[0]) / 2;
+                weight = weight > 0 ? weight : 1;
+                for (i = 0; i < n; i++)
+                    for (j = 0; j < n; j++)
+                        if (c[i] >= 0 && c[j] >= 0)
+                            pk_to_band(p, M, c[i], c[j], weight * r[i] * r[j]);
+                continue;
             }
+            weight = pk_weight(&A, n, c, r);
+            row = pk_place(x, p, of[g]->entries->row.unknown, m);
             *pk_ldl_entry(&A, row, row) = 0;
             for (i = 0; i < n; i++) {
                 if (c[i] < 0)
@@ -174,37 +204,6 @@ PK_PERHAPS static void pk_diagonal(const struct pk_members *x, const struct pk_p
     for (i = p->places; i < p->all; i++)
         if (pk_in_place(x, p, i) >= 0)
             out[pk_in_place(x, p, i)] = *pk_ldl_entry(&A, i, i);
-}
-
-/* Adds C^T W C to M among matrices in bands, whose rows C are there. */
-PK_PERHAPS static void pk_weighed(const struct pk_members *x, const struct pk_places *p,
-                                  const struct pk_matrix *const *of, int count, pk_real *M)
-{
-    const ptrdiff_t width = p->of->width, border = p->all - p->banded;
-    ptrdiff_t lo = PTRDIFF_MAX, hi = PTRDIFF_MIN, m, c[PK_MOST_VALUES];
-    pk_real r[PK_MOST_VALUES];
-    int g, i, j;
-
-    for (g = 0; g < count; g++)
-        pk_made_range(x, of[g], &lo, &hi);
-    for (m = hi; m >= lo; m--)
-        for (g = count - 1; g >= 0; g--) {
-            const int n = pk_made_row(x, p, of[g], m, c, r);
-            ptrdiff_t at;
-            pk_real weight;
-            if (!n)
-                continue;
-            at = c[0] < p->banded
-                     ? c[0] * (2 * width + 1) + width
-                     : p->banded * (2 * width + 1) + (p->banded + c[0]) * border + c[0] - p->banded;
-            weight = M[at] / 2;
-            if (!(weight > 0))
-                weight = 1;
-            for (i = 0; i < n; i++)
-                for (j = 0; j < n; j++)
-                    if (c[i] >= 0 && c[j] >= 0)
-                        pk_to_band(p, M, c[i], c[j], weight * r[i] * r[j]);
-        }
 }
 
 #endif

@@ -51,6 +51,7 @@ class Lowering(Hoisting):
         super().__init__(equations.graph, equations.model.name, libm)
         for call, (side, sign) in sides.items():
             self.work.side(call, side, sign)
+        blocks = [*{id(block): block for block in blocks}.values()]
         self.equations, self.places, self.blocks = equations, places, blocks
         self.readers = readers
         self.inputs = [q.name for q in equations.inputs]

@@ -30,11 +30,12 @@ from .loops_numbers import Numbers
 from .loops_places import M, Places
 from .loops_plan import TOTALS, VECTORS, divides, emitted, planned, watches_momenta, within
 from .loops_readers import Readers
+from .loops_rows import extreme
 from .loops_steps import has_steps, lag_of
 from .loops_switches import described as switches
 from .loops_switches import sides
 from .loops_text import KernelText
-from .loops_vectors import VectorText, extreme, pair_loop
+from .loops_vectors import VectorText, pair_loop
 from .program import LoopProgram, operations_text
 from .render import frame, pasted
 from .tree import Scope, rendered

@@ -12,7 +12,7 @@ from ..quantities import indexed, refuse_constant
 from .constraint_rows import bound_of
 from .expand import LoopExpander
 from .facts import facts_of
-from .indexed_ir import Addend, Carried, Over, Slot, Sum, Unrolled, merged, nodes_of, of_name
+from .indexed_ir import Addend, Carried, Sum, Unrolled, merged, nodes_of, of_name
 from .indices import size_values
 from .loops import Limit, LoopEquations
 from .recurrences import by_places, carried_of, inert
@@ -58,7 +58,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
     assembler.felt_through()
     _forces(x, assembler)
     _check_rates(x, assembler.quantity("force"))
-    _check_apart(x, assembler)
+    _check_apart(assembler)
     bound = bound_of(x, assembler)
     carried = carried_of(x, assembler)
     energy = merged(
@@ -159,31 +159,13 @@ def _forces(x: LoopExpander, assembler: Assembler) -> None:
             assembler.state(group)
 
 
-# C has room for 256 numbers that a term reads, of which Jacobians have more than L; for 256 scalars
-# with their outputs; for 1,024 values that are added to single rows, of two outputs.
-MOST_READ, MOST_APART, MOST_ENDS = 100, 100, 200
-
-
-def _check_apart(x: LoopExpander, assembler: Assembler) -> None:
-    """Raises Unrolled if there are too many scalars, single terms, or members in a term, or if a
-    sum is added to a member other than those in it."""
-    vectors = [assembler.quantity(name) for name in ("momenta", "pdot", "force", "mass")]
-    singles = max(sum(not body.over for body in found) for found in vectors)
-    ends = sum(assembler.wraps.values()) + sum(len(g.ends) for g in x.coordinates.values())
-    scalars = sum(not group.is_family for group in x.coordinates.values())
-    rows = sum(item.range is None for item in x.model.constraints)
-    if ends > MOST_ENDS:
-        raise Unrolled(f"terms reach more than {MOST_ENDS} members beyond the ends of families")
-    if max(scalars, rows, singles) > MOST_APART:
-        raise Unrolled(f"more than {MOST_APART} coordinates, constraints or terms are single ones")
-    read: dict[Over, set[Slot]] = {}
-    for body in (body for found in vectors for body in found):
-        at = body.to[0][1]
-        if len(body.over) == 2 and at is not None and not (at - M).is_constant:
-            raise Unrolled("a sum is added to a member far from its own")
-        read.setdefault(body.over, set()).update(x.slots.below(body.node))
-    if any(len(found) > MOST_READ for found in read.values()):
-        raise Unrolled(f"a term has more than {MOST_READ} members and parameters in it")
+def _check_apart(assembler: Assembler) -> None:
+    """Raises Unrolled if a sum is added to a member other than those in it."""
+    for name in ("momenta", "pdot", "force", "mass"):
+        for body in assembler.quantity(name):
+            at = body.to[0][1]
+            if len(body.over) == 2 and at is not None and not (at - M).is_constant:
+                raise Unrolled("a sum is added to a member far from its own")
 
 
 def _check_rates(x: LoopExpander, force: Sum) -> None:

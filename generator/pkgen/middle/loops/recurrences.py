@@ -24,6 +24,8 @@ from .slots import M
 # and several neighbouring members of each family. This is the largest number of unknowns in a step.
 FRONT = 24
 
+MOST = 200  # members_chain.h has room for 256 entries of a row.
+
 
 def carried_of(x: LoopExpander, assembler: Assembler) -> tuple[Carried, ...]:
     """Returns the recurrences that occur in the expressions converted so far, and further ones on
@@ -76,6 +78,8 @@ def _piece(x: LoopExpander, assembler: Assembler, lo, hi, value: Node) -> Piece:
     )
     along = {Slot("q", *cell): x.rotations.slope(slopes, *cell, False) for cell in cells}
     by = {slot: node for slot, node in along.items() if node != ZERO}
+    if len(by) > MOST:
+        raise Unrolled(f"a carried value is made of more than {MOST} others")
     own = [g.multiply(node, name("d" if z.at else "v", z.name, z.at)) for z, node in by.items()]
     return Piece(
         lo,
