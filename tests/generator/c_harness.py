@@ -158,6 +158,7 @@ class Loaded:
             n = len(program.equations.coordinates)
             count += n * n + n
         count += len(program.equations.switches)
+        count += len(program.tables)  # pointers, as long as a double
         self.params = (ctypes.c_double * max(1, count))()
         self.function("defaults", None)(self.params)
 

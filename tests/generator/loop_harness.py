@@ -52,6 +52,7 @@ class Looped:
         for group in self.equations.parameters:
             kind = ctypes.POINTER(ctypes.c_double) if group.is_family else ctypes.c_double
             fields.append((group.name, kind))
+        fields += [(table.name, ctypes.c_void_p) for table in self.equations.model.tables]
         header = files[f"{self.name}.h"]
         hoisted, places = (
             int(header.split(field)[1].split("]")[0]) if field in header else 0

@@ -22,10 +22,12 @@ from .parameter_code import (
     checks,
     derived,
     ends,
+    given,
     hoisted,
     scoped,
 )
 from .program import Interval, Statement
+from .tables import Fields, pointers
 from .tree import Declare, Function, If, Loop, Node, Scope
 
 
@@ -125,12 +127,13 @@ def functions(
     block: bool,
     bound: bool = False,
     fixed: Sequence[str] = (),
+    tables: Fields = (),
     summed: int = 0,
 ) -> str:
     """Returns the C functions of the parameters. The C function `prepare` computes the `count`
     hoisted constants and the totals `fixed`, and factors the mass matrix if `factored`. `block`:
     the model needs allocated memory. `summed`: the number of sums in initial values and parameters
-    that are computed once."""
+    that are computed once. `tables`: the tables of data."""
     params = f"struct {model}_params *p"
     defaults = [node for row in rows for node in row.default]
     follow = [node for row in rows if row.follows for node in row.default]
@@ -145,6 +148,7 @@ def functions(
         unfit = f"!{model}_fits(p)" + " || !p->work_" * block
         yield If(unfit, ["return PK_FAILED(PK_FAILURE_SIZE, 0);"])
         yield from checks(rows)
+        yield from given(tables)
         yield from hoisted(count, statements(prepare))
         for k in fixed:
             value = f"{model}_total_sum_{k}(p, 0, NULL, NULL, NULL)"
@@ -159,6 +163,7 @@ def functions(
             [
                 *_index(defaults),
                 If(f"!{model}_fits(p)", ["return;"]),
+                *pointers(model, tables),
                 *defaults,
                 f"(void){model}_prepare(p);",
             ],

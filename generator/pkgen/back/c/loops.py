@@ -53,7 +53,7 @@ class Lowering(Hoisting):
             self.work.side(call, side, sign)
         blocks = [*{id(block): block for block in blocks}.values()]
         self.equations, self.places, self.blocks = equations, places, blocks
-        self.readers = readers
+        self.readers, self.tables = readers, places.tables
         self.inputs = [q.name for q in equations.inputs]
         self._locals = Names(LOCAL_RESERVED, _OURS, self.prefix)
         self._names: dict[Slot, str] = {}

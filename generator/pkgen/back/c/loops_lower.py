@@ -61,6 +61,7 @@ class _Context:
         self.kernels = kernels - unasked
         self.with_multipliers = wanted is None or "multipliers" in wanted
         self.places = Places(e)
+        self.fields = tuple(zip(self.places.tables.values(), e.model.tables, strict=True))
         builder = Builder(e, self.places)
         self.plan = planned(e, builder, kernels)
         self.slots = builder.slots
@@ -152,9 +153,10 @@ class _Context:
         banded = "inertia" in plan.matrices
         layouts = self._layouts()
         regions = memory_regions(e, self.places, plan, layouts, answered or accelerates)
+        names = loops_tables.names(e)
         block = bool(regions or e.switches or self._families_of_parameters)
         found = {
-            **frame(model, _told(e), set(system) - own, parameters, loops_tables.names(e)),
+            **frame(model, _told(e), set(system) - own, parameters, names, self.fields),
             "n": e.count.value(size_values(model)),
             "kernels": list(system.values()),
             "sincos_header": pasted("sincos.h") if any(b.trig for b in w.blocks) else "",
@@ -381,6 +383,7 @@ class _Context:
             bound=bool(e.bound),
             block=block,
             fixed=self.before.fixed,
+            tables=self.fields,
             summed=e.summed,
         )
 

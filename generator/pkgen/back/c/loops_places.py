@@ -20,6 +20,7 @@ class Places:
         self.sizes = {s.name: fields.take(s.name) for s in e.model.sizes}
         self.fields = {g.name: fields.take(g.name) for g in e.parameters}
         self.scalar_fields = {self.fields[g.name] for g in e.parameters if not g.is_family}
+        self.tables = {table.name: fields.take(table.name) for table in e.model.tables}
         self.size_texts = {
             unlike_loops(name): f"p->{c_name}" for name, c_name in self.sizes.items()
         } | {name: f"at_{name[1:]}" for name in COUNTERS}

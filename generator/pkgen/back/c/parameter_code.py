@@ -60,6 +60,13 @@ def checks(rows: Iterable[ParameterCode]) -> Iterator[Node]:
         yield from row.check
 
 
+def given(found: tables.Fields) -> Iterator[Node]:
+    """Yields the check that tables which have no data of their own in C are set."""
+    for field, table in found:
+        if table.long:
+            yield If(f"!p->{field}", [NOT_FINITE])
+
+
 def hoisted(count: int, code: Iterable[Node]) -> Iterator[Node]:
     """Yields code that computes the array of `count` constants and checks that they are finite."""
     if not count:
@@ -99,7 +106,7 @@ def _rows(program: Program) -> Iterator[ParameterCode]:
 def functions(program: Program) -> Iterator[Function]:
     model, rows = program.equations.model.name, list(_rows(program))
     type = f"struct {model}_params *p"
-    defaults = [f"p->{c} = {tables.pointer(program, c, table)};" for c, table in program.tables]
+    defaults = tables.pointers(model, program.tables)
     defaults += [node for row in rows for node in row.default]
     switches = () if program.plain else program.equations.switches
     sides = [f"p->side_[{k}] = 0;" for k in range(len(switches))]
@@ -124,9 +131,7 @@ def _prepare(program: Program, rows: list[ParameterCode], code: KernelCode) -> I
         yield from (*checks(rows), "")
     else:
         yield from unused(["p"])
-    for field, table in program.tables:
-        if table.long:  # It has no data of its own.
-            yield If(f"!p->{field}", [NOT_FINITE])
+    yield from given(program.tables)
     if program.constants:
         yield from (*code.body(), "", f"/* {FINITE} */")
         zero = " + ".join(f"0 * p->{x.c_name}" for x in program.constants)

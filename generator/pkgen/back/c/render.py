@@ -16,7 +16,7 @@ import pkgen_runtime
 from ...equations import Facts, Quantity
 from ...middle.derive.sensitivity import JACOBIANS
 from ...middle.report import Report
-from ...model import Definition, Model
+from ...model import Definition, Model, Table
 from ...system.cache import cached
 from ...system.exits import BuildError
 from ...version import __version__
@@ -231,9 +231,10 @@ def frame(
     kernels: set[str],
     parameters: list[dict[str, Any]],
     names: dict[str, Sequence[Quantity | Definition]],
+    fields: Sequence[tuple[str, Table]],
 ) -> dict[str, Any]:
     """Returns the template variables that all models have. `kernels` are the model's kernels,
-    `proved` its facts, `names` the tables of quantities."""
+    `proved` its facts, `names` the tables of quantities, `fields` the tables of data."""
     return {
         "version": __version__,
         "name": model.name,
@@ -245,8 +246,8 @@ def frame(
         "embedded": False,
         "table_header": pasted("table.h") if model.tables else "",
         "lookup_header": _lookup(model) if model.tables else "",
-        "data": (),
-        "table_fields": (),
+        "data": tables.data(model.name, fields),
+        "table_fields": fields,
         "parameters": parameters,
         "tables": names,
         "n_parameters": len(parameters),
@@ -271,10 +272,8 @@ def _context(program: Program) -> dict[str, Any]:
     present = {kernel.name for kernel in program.kernels}
     parameters, names = tables.parameters(program), tables.tables(program)
     return {
-        **frame(equations.model, program.structure, present, parameters, names),
+        **frame(equations.model, program.structure, present, parameters, names, program.tables),
         "sincos_header": pasted("sincos.h") if program.has_sincos else "",
-        "data": tables.data(program),
-        "table_fields": program.tables,
         "plain": program.plain,
         **(EMBEDDED if program.plain else {}),
         "sizes": [],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from textwrap import fill
 from typing import Any
 
@@ -76,17 +76,24 @@ def singularities(program: Program) -> list[dict[str, Any]]:
     ]
 
 
-def pointer(program: Program, field: str, table: Table) -> str:
-    return "NULL" if table.long else f"&{program.equations.model.name}_table_{field}"
+Fields = Iterable[tuple[str, Table]]  # tables of data, with their members of NAME_params
 
 
-def data(program: Program) -> list[dict[str, Any]]:
+def pointers(model: str, found: Fields) -> list[str]:
+    """Returns the assignments of the default tables."""
+    values = (
+        (field, "NULL" if table.long else f"&{model}_table_{field}") for field, table in found
+    )
+    return [f"p->{field} = {value};" for field, value in values]
+
+
+def data(model: str, fields: Fields) -> list[dict[str, Any]]:
     """Returns the arrays and structs of the tables, as C text."""
     found = []
-    for field, table in program.tables:
+    for field, table in fields:
         if table.long:
             continue
-        name, d = f"{program.equations.model.name}_table_{field}", table.data
+        name, d = f"{model}_table_{field}", table.data
         arrays = [(f"{name}_{of}", a.knots) for of, a in zip("xy", d.axes, strict=False)]
         axes = [
             f"{{{len(a.knots)}, {of}, (pk_real){a.period!r}, {int(a.strict)}}}"
@@ -130,8 +137,6 @@ def system_entries(program: Program) -> dict[str, object]:
         entries["switches.sides"] = f"offsetof(struct {e.model.name}_params, side_)"
     if e.impulsive:
         entries["switches.impulses"] = f"{own}_impulses"
-    if program.tables:
-        entries |= {"n_tables": len(program.tables), "tables": f"{own}_tables"}
     if program.kernel("noise") is not None:
         entries |= {"noise.n": len(e.noise.names), "noise.names": f"{own}_noises"}
     if e.model.consistent:

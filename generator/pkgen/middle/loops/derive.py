@@ -27,7 +27,6 @@ from .terms import terms
 _UNROLLED = {
     "fast": "a part of the potential is named fast",
     "hamiltonian": "the model has a Hamiltonian",
-    "tables": "the model has a table of data",
     "consistent": "the start is found by the constraints",
     "samples": "the model has a sample block",
     "resetting": "an event gives values",

@@ -141,7 +141,9 @@ class _Switches:
         if not jumping:
             return
         if any(counts(g, argument) for argument in jumping):
-            raise Unrolled("a force or a rate has floor, ceil, round or mod in it")
+            raise Unrolled(
+                "a force or a rate jumps at knots, or has floor, ceil, round or mod in it"
+            )
         surfaces = Surfaces(g)
         keys: dict[object, Node] = {}
         for argument in jumping:
