@@ -134,6 +134,12 @@ def test_found(text, names):
     assert found(text) == names
 
 
+def test_a_state_beside_many_coordinates_is_in_no_symmetry():
+    text = "coord x[1..12]\nkinetic sum(x[i]'^2/2, i = 1..12)\n"
+    text += "potential sum((x[i+1] - x[i])^2/2, i = 1..11)\nobserve w = integral(x[12]*x[11]')\n"
+    assert "energy" in found(text)
+
+
 def test_two_bodies_have_ten_of_which_some_are_of_the_centre_of_mass():
     names = found(TWO_BODIES)
     for name in ("energy", "p_x + p_u", "p_y + p_v", "x*p_y - y*p_x + u*p_v - v*p_u"):

@@ -252,6 +252,8 @@ def _coupled(n: int, mass: Matrix, influences: Indices) -> Iterator[tuple[int, i
     all pairs (i, i). If they are too many, only the pairs (i, i)."""
     found = {(i, i) for i in range(n)}
     found |= {(i, j) for i in range(n) for j in range(n) if mass[i][j] != ZERO}
-    found |= {pair for i, row in enumerate(influences) for j in row for pair in ((i, j), (j, i))}
+    # States, which have no symmetries, may have indices from n on.
+    near = {(i, j) for i, row in enumerate(influences[:n]) for j in row if j < n}
+    found |= near | {(j, i) for i, j in near}
     few = len(found) <= WHOLE * n
     return iter(found if few else {(i, i) for i in range(n)})

@@ -32,7 +32,6 @@ _UNROLLED = {
     "resetting": "an event gives values",
     "meets": "the model has contacts, friction or latches",
     "noises": "the model has noise",
-    "loads": "a force acts at a point, or a torque in space",
 }
 
 
@@ -151,6 +150,9 @@ def _forces(x: LoopExpander, assembler: Assembler) -> None:
             assembler.limits += [Limit(lo - group.lo, hi - lo), Limit(group.hi - hi, hi - lo)]
         for term in terms(x, item.value, loop):
             assembler.applied_term(group, lo, hi, term)
+    for load in x.model.loads:
+        lo, hi, loop = x.over(load.range, load.index)
+        assembler.load(lo, hi, x.value(load.value, loop), x.value(load.velocity, loop))
     for rotation in x.rotations.all:
         assembler.attitude(rotation)
     for group in x.coordinates.values():

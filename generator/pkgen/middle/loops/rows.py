@@ -217,6 +217,28 @@ class Assembler:
         self.add(APPLIED, over, node, cell)
         self.applied |= node != ZERO and not group.is_state
 
+    def load(
+        self, lo: Affine | None, hi: Affine | None, force: tuple[Node, ...], v: tuple[Node, ...]
+    ) -> None:
+        """Adds forces at points with the velocities `v`, or torques, on members lo..hi: the
+        derivatives of v by the rates, times the force."""
+        if any(slot.kind == "sum" for slot in self.x.slots.below(*v)):
+            raise Unrolled("a force acts at a point that is a sum over members")
+        over = () if lo is None or lo == hi else (lo, hi)
+        self.x.members.clear()
+        for value, velocity in zip(force, v, strict=True):
+            if over:
+                value = self.totals.throughout(value)
+                self.reach(over, self.g.multiply(value, velocity))
+            elif lo is not None:
+                value, velocity = self._at_index(value, lo), self._at_index(velocity, lo)
+                for slot in self.x.slots.below(value, velocity):
+                    self.in_reach(slot, lo, hi)
+            for symbol, slope in gradient(self.g, velocity, RATES).items():
+                slot, node = self.x.slots.of(symbol), self.g.multiply(value, slope)
+                self.add(APPLIED, over, node, (slot.name, slot.at))
+                self.applied |= node != ZERO
+
     def _at_index(self, node: Node, at: Affine) -> Node:
         """Returns the node for the index m = at."""
 
