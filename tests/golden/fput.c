@@ -34,7 +34,7 @@ typedef void pk_values(const struct pk_members *x, ptrdiff_t row, ptrdiff_t from
 PK_INLINE static ptrdiff_t pk_least(ptrdiff_t a, ptrdiff_t b) { return a < b ? a : b; }
 
 /* Returns the members from .. from + n - 1 of a family with the indices lo .. hi, whose array
- * begins at `array`: in place, or else copied to `room`. Those beyond come from read(), or are 0. */
+ * begins at `array`: in place, or else copied to `room`. Those beyond are read() or 0. */
 PK_INLINE static const pk_real *pk_row(const struct pk_members *x, const pk_real *array,
                                        pk_real (*read)(const struct pk_members *x, ptrdiff_t i),
                                        ptrdiff_t lo, ptrdiff_t hi, ptrdiff_t from, ptrdiff_t n,

@@ -8,32 +8,23 @@ from dataclasses import replace
 from typing import Any
 
 from ...equations import Facts
-from ...graph.affine import Affine, variable
-from ...graph.graph import Node
+from ...graph.affine import Affine
 from ...middle.loops.indices import size_values
-from ...middle.loops.loops import Assigned, Limit, LoopEquations, Summed
+from ...middle.loops.loops import Limit, LoopEquations
 from ..facts import facts, invariants
 from ..kernels import KERNELS
-from ..targets import ADD, RETURN, STORE, Target
 from . import loop_parameters, loops_tables, tables
 from .describe import labelled
 from .helpers import helpers
-from .loop_parameters import Assignment, Summing
-from .loops import Lowering
-from .loops_before import Before
-from .loops_blocks import FIXED, INNER, Block
 from .loops_bound import Layout, bound_context, layout_of_k, layout_of_slopes
 from .loops_chain import chain_context
-from .loops_kernels import BLOCK, Builder, Terms, Vector, block_of
+from .loops_kernels import BLOCK, Terms, Vector
 from .loops_memory import memory_regions
-from .loops_numbers import Numbers
-from .loops_places import M, Places
-from .loops_plan import TOTALS, VECTORS, divides, emitted, planned, watches_momenta, within
-from .loops_readers import Readers
+from .loops_places import M
+from .loops_plan import TOTALS, VECTORS, divides, watches_momenta, within
+from .loops_prepared import Prepared
 from .loops_rows import extreme
-from .loops_steps import has_steps, lag_of
 from .loops_switches import described as switches
-from .loops_switches import sides
 from .loops_text import KernelText
 from .loops_vectors import VectorText, pair_loop
 from .program import LoopProgram, operations_text
@@ -53,86 +44,8 @@ def lower_loops(
     return LoopProgram(e.model.name, text | {"plain": plain})
 
 
-class _Context:
-    def __init__(self, e: LoopEquations, wanted: frozenset[str] | None, libm: bool):
-        kernels = emitted(e, wanted)
-        # With recurrence values the acceleration calls whole_force instead of the kernel `force`.
-        unasked = {"force"} - wanted if e.carried and wanted is not None else frozenset()
-        self.kernels = kernels - unasked
-        self.with_multipliers = wanted is None or "multipliers" in wanted
-        self.places = Places(e)
-        self.fields = tuple(zip(self.places.tables.values(), e.model.tables, strict=True))
-        builder = Builder(e, self.places)
-        self.plan = planned(e, builder, kernels)
-        self.slots = builder.slots
-        self.block = block_of(self.plan.all_terms, self.slots)
-        self.fused = "advance" in kernels and has_steps(e, self.plan, self.slots)
-        self.lag, self.kicks = 0, ""
-        if self.fused:
-            vector = self.plan.vectors["acceleration"]
-            if vector.is_merged:
-                outputs, finish = self.plan.accelerated
-                vector = builder.vector("kick", outputs, e.coordinates, finish, merge=False)
-                self.plan.vectors["kick"] = vector
-            self.lag = lag_of(e, vector, self.slots, self.block)
-            vector.kicks = True
-            self.kicks = vector.name
-        # No nodes are added to the graph after this.
-        self.e = e = replace(e, slots=tuple(self.slots.all))
-        self.given = {at: [_value(node) for node in nodes] for at, nodes in e.given.items()}
-        self.defaults = [self._assigned(x, parameter=True) for x in e.defaults]
-        self.starts = [self._assigned(x) for x in e.starts]
-        self.bounds = [
-            Block([Target(STORE, key, (x,)) for key, x in vars(b).items() if x is not None], FIXED)
-            for b in e.bounds
-        ]
-        self.outputs = {
-            "observe": Block(list(self._observed()), INNER),
-            "conserve": Block.of(STORE, "out[{}]", e.conserved, INNER),
-            "event": Block.of(STORE, "out[{}]", e.events, INNER),
-        }
-        blocks = [
-            *self.plan.blocks,
-            *(block for values in self.given.values() for block in values),
-            *(block for x in (*self.defaults, *self.starts) for block in x.blocks),
-            *self.bounds,
-            *self.outputs.values(),
-        ]
-        self.before = Before(e, self.places, self.plan, self.slots, self.outputs)
-        watched = {id(terms.block) for terms in self.plan.switches}
-        held = [x for b in blocks if b.where != FIXED and id(b) not in watched for x in b.nodes]
-        decided = sides(e, self.slots, held)
-        self.e = e = replace(e, slots=tuple(self.slots.all))
-        self.readers = Readers(self.places, self.given)
-        self.lowering = Lowering(e, self.places, libm, blocks, decided, self.readers)
-        matrices = bool(self.plan.matrices or self.plan.made)
-        self.numbers = Numbers(e, self.places, self.readers, matrices)
-        self.vectors: dict[str, VectorText] = {}
-
-    def _observed(self) -> Iterator[Target]:
-        """Yields the stores of outputs that are a single number."""
-        for first, item in zip(self.places.observed, self.e.outputs, strict=False):
-            if item.lo is None:
-                yield Target(STORE, f"out[{self.places.index(first)}]", (item.node,))
-
-    def _assigned(self, item: Assigned, parameter: bool = False) -> Assignment:
-        index = self.places.index
-        single = item.lo is None or item.lo == item.hi
-        at = item.lo if single else M
-        if parameter:
-            where = self.places.member(item.name, at)
-        else:
-            where = f"{'v' if item.order else 'q'}[{index(self.places.flat(item.name, at))}]"
-        block = Block.of(STORE, where, [item.node], FIXED)
-        over = ("", "") if single else (index(item.lo), index(item.hi))
-        before, each = ([*map(self._summing, found)] for found in (item.before, item.each))
-        return Assignment(*over, before, each, block)
-
-    def _summing(self, item: Summed) -> Summing:
-        place, index = f"once[{item.place}]", self.places.index
-        ranges = [(index(variable(name)), index(lo), index(hi)) for name, lo, hi in item.ranges]
-        block = Block([Target(ADD, place, (item.node,))], FIXED)
-        return Summing(place, ranges, block, [*map(self._summing, item.inside)])
+class _Context(Prepared):
+    """The template variables of a model."""
 
     def text(self) -> dict[str, Any]:
         e, w, plan, index = self.e, self.lowering, self.plan, self.places.index
@@ -255,15 +168,6 @@ class _Context:
         state = f"const struct pk_members state = {{p, {at}, 0, NULL, NULL, NULL}}"
         found |= {"sizes_alone": f"{state}, *const x = &state;"}
         return found | {"room": room, "with_at": room or regions, "at": at}
-
-    @property
-    def _same_as_force(self) -> bool:
-        """Returns whether the accelerations are the forces, since all masses are 1."""
-        found = [self.plan.vectors.get(k) for k in ("force", "acceleration")]
-        if None in found or "force" not in self.kernels:
-            return False
-        goals = [[(id(x.terms), x.value, x.sign, x.output, x.to) for x in v.goals] for v in found]
-        return goals[0] == goals[1] and found[1].finish == "STORE"
 
     @property
     def _families_of_parameters(self) -> bool:
@@ -428,7 +332,3 @@ def _told(e: LoopEquations) -> Facts:
     and p' = a, so the mass matrix M is 1."""
     one = {"mass_constant": True, "mass_diagonal": True, "quadratic": True}
     return replace(e.facts, **one) if e.solved else e.facts
-
-
-def _value(node: Node) -> Block:
-    return Block.of(RETURN, "", [node], INNER)
