@@ -2,9 +2,11 @@
 
 import ctypes
 import math
+import random
 
 import pytest
-from loop_harness import Looped, looped
+from loop_harness import Looped, Unrolled, looped
+from test_loops import METHODS, assert_kernels, fused, one_by_one
 
 from pkgen.__main__ import main
 from pkgen.source import ModelError
@@ -79,3 +81,45 @@ def test_pivots_of_a_diagonal_mass_are_watched_whatever_kernels_there_are(tmp_pa
     model = tmp_path / "thin.lag"
     model.write_text(text)
     assert main(["run", str(model), "--until", "0.1", "--method", "rk4", "--step", "0.1"]) == 0
+
+
+HEAD = "size N = 31\ncoord q[1..N]\nkinetic sum(q[i]'^2/2, i = 1..N)\n"
+ALONE = "potential sum(q[i]^2/2, i = 1..N)\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        ALONE,
+        ALONE + "size K = 25\ncoord r[1..K]\nkinetic sum(r[i]'^2/2, i = 1..K)\n",
+        ALONE + "let y[0] = 0\nlet y[i = 1..N] = y[i-1] + q[i]\nobserve z = y[N]\n",
+    ],
+    ids=["alone", "unequal", "along"],
+)
+def test_members_that_feel_no_others_compile(text, tmp_path):
+    at = Looped(f"model alone\n{HEAD}{text}", tmp_path).at(5)
+    q = [0.1 * k for k in range(at.n)]
+    _, (force,) = at.call("force", 0.0, q, [0.0] * at.n, (), (at.n,))
+    assert force[:5] == [-x for x in q[:5]]
+
+
+def test_a_free_end_of_the_shorter_of_two_families_reads_what_has_not_drifted(tmp_path):
+    text = f"model two\n{HEAD}size K = 2000\ncoord r[1..K]\nfree q[N+1]\n"
+    text += "kinetic sum(r[i]'^2/2, i = 1..K)\npotential sum(r[i]^2/2, i = 1..K)\n"
+    text += "potential sum((q[i+1] - 2*q[i] + q[i-1])^4, i = 2..N)\n"
+    loops, (kick, drift) = Looped(text, tmp_path), METHODS["verlet"]
+    for size in (489, 513, 1025):
+        at, r = loops.at(size), random.Random(size)
+        q, v = ([r.uniform(-1, 1) for _ in range(at.n)] for _ in range(2))
+        expected = one_by_one(at, kick, drift, 0.0, 0.01, 4, q, v)
+        for one, other in zip(expected, fused(at, kick, drift, 0.0, 0.01, 4, q, v), strict=True):
+            assert max(abs(x - y) for x, y in zip(one, other, strict=True)) < 1e-11
+
+
+def test_many_entries_of_m_that_are_equal_count_once(tmp_path):
+    rates = " + ".join(f"q[i+{k}]'" for k in range(15))
+    text = f"model dup\n{HEAD}kinetic sum(({rates})^2/2, i = 1..N-14)\n{ALONE}"
+    unrolled, at = Unrolled(text, 20, tmp_path / "unrolled"), Looped(text, tmp_path).at(20)
+    r = random.Random(1)
+    state = 0.0, [r.uniform(-1, 1) for _ in range(20)], [r.uniform(-1, 1) for _ in range(20)], []
+    assert_kernels(unrolled, at, state, "dup")

@@ -19,9 +19,7 @@ def model(r: random.Random) -> str:
     else:
         ends = r.choice(["fixed x[0] = sin(t), x[N+1] = 2", "free x", "periodic x"])
         coords = f"coord a[1..N], x[1..N], y[1..N]\n{ends}"
-        points = (
-            "let P[i = 1..N] = [x[i] + 0.2*cos(a[i]), y[i] + 0.2*sin(a[i])*x[i], 0.1*a[i]^2]"
-        )
+        points = "let P[i = 1..N] = [x[i] + 0.2*cos(a[i]), y[i] + 0.2*sin(a[i])*x[i], 0.1*a[i]^2]"
         energy = "kinetic sum((x[i]'^2 + y[i]'^2 + a[i]'^2)/2, i = 1..N)"
         energy += "\npotential sum((x[i] - x[i-1])^2/2, i = 2..N)"
     kinds = [

@@ -31,10 +31,13 @@ typedef void pk_values(const struct pk_members *x, ptrdiff_t row, ptrdiff_t from
     static void name(PK_PERHAPS const struct pk_members *x, PK_PERHAPS ptrdiff_t row, \
                      PK_PERHAPS ptrdiff_t from, ptrdiff_t n, pk_real *const *o)
 
+PK_INLINE static ptrdiff_t pk_most(ptrdiff_t a, ptrdiff_t b) { return a > b ? a : b; }
+
 PK_INLINE static ptrdiff_t pk_least(ptrdiff_t a, ptrdiff_t b) { return a < b ? a : b; }
 
 /* Returns the members from .. from + n - 1 of a family with the indices lo .. hi, whose array
- * begins at `array`: in place, or else copied to `room`. Those beyond are read() or 0. */
+ * begins at `array`: in place, or else copied to `room`. An index beyond lo .. hi has the value
+ * read(x, i), or 0 if read is NULL. */
 PK_INLINE static const pk_real *pk_row(const struct pk_members *x, const pk_real *array,
                                        pk_real (*read)(const struct pk_members *x, ptrdiff_t i),
                                        ptrdiff_t lo, ptrdiff_t hi, ptrdiff_t from, ptrdiff_t n,
@@ -55,8 +58,8 @@ PK_INLINE static const pk_real *pk_row(const struct pk_members *x, const pk_real
     return room;
 }
 
-/* Returns how many of the indices m .. hi a term computes next. Where many are left, the first and
- * the last of lo .. hi are few, since they may read copies. */
+/* Returns how many of the indices m .. hi a term computes next. In a long range lo .. hi the first
+ * and the last call compute 8: only these then copy what they read. */
 PK_INLINE static ptrdiff_t pk_step(ptrdiff_t m, ptrdiff_t lo, ptrdiff_t hi)
 {
     const ptrdiff_t n = pk_least(PK_BLOCK, hi + 1 - m);
@@ -91,8 +94,6 @@ PK_PERHAPS static pk_real pk_sum(const struct pk_members *x, pk_values *values, 
 #define PK_MEMBERS_ROWS_H
 
 #define PK_MOST_VALUES 256
-
-PK_INLINE static ptrdiff_t pk_most(ptrdiff_t a, ptrdiff_t b) { return a > b ? a : b; }
 
 /* Writes the `count` values of a term for m = from .. from + n - 1: value r to e[r * width],
  * e[r * width + 1], ...; 0 where m is not in lo .. hi. */
@@ -157,7 +158,7 @@ PK_INLINE static pk_real pk_whole(const pk_real *s)
 #ifndef PK_MEMBERS_ENDS_H
 #define PK_MEMBERS_ENDS_H
 
-/* Returns the index of the member that index i stands for, lo - 1 if it stands for none. A ring
+/* Returns the index of the member for which index i stands, lo - 1 if there is none. A ring
  * continues with its own members. The free ends repeat the first member for `below` indices, the
  * last one for `above`. */
 PK_PERHAPS static ptrdiff_t pk_home(ptrdiff_t i, ptrdiff_t lo, ptrdiff_t hi, int ring,
@@ -1124,7 +1125,7 @@ PK_PERHAPS static void pk_one_pass(struct pk_members *x, const struct pk_kicks *
             const ptrdiff_t to = pk_least(ahead, end);
             ptrdiff_t from = done[s];
             if (to < end && end - to < lag && to - from > lag)
-                /* The last `lag` rows are made in one call: rows beyond the end read them before
+                /* One call makes the last `lag` rows. Rows beyond the end then read them before
                  * they drift. */
                 continue;
             x->t = time[s];
@@ -1163,9 +1164,9 @@ PK_PERHAPS static void pk_around(const struct pk_members *x, const struct pk_kic
 
 /* Makes `steps` steps of h from time t, in place: kicks v += kick[i] h a(q, t) for i = 0 ..
  * stages, and drifts q += drift[i] h v between them. The last kick of a step and the first of the
- * next are one. With a lag, terms of rows from m on read no rows before m, and none m + lag or
- * further; the stages of several steps are then made in one pass over memory. Rings of equal
- * length have minus this lag. Without a lag each kick is one pass, and so is each drift. */
+ * next are one. lag > 0: the terms of row m read rows m .. m + lag - 1 alone; several stages share
+ * a pass over memory. lag < 0: rings of equal length; a stage is a pass. lag = 0: each kick is a
+ * pass, and so is each drift. */
 PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_kicks *of, pk_real *e,
                                   ptrdiff_t lag, int stages, const pk_real *kick,
                                   const pk_real *drift, pk_real t, pk_real h, unsigned long steps,

@@ -23,10 +23,13 @@ typedef void pk_values(const struct pk_members *x, ptrdiff_t row, ptrdiff_t from
     static void name(PK_PERHAPS const struct pk_members *x, PK_PERHAPS ptrdiff_t row, \
                      PK_PERHAPS ptrdiff_t from, ptrdiff_t n, pk_real *const *o)
 
+PK_INLINE static ptrdiff_t pk_most(ptrdiff_t a, ptrdiff_t b) { return a > b ? a : b; }
+
 PK_INLINE static ptrdiff_t pk_least(ptrdiff_t a, ptrdiff_t b) { return a < b ? a : b; }
 
 /* Returns the members from .. from + n - 1 of a family with the indices lo .. hi, whose array
- * begins at `array`: in place, or else copied to `room`. Those beyond are read() or 0. */
+ * begins at `array`: in place, or else copied to `room`. An index beyond lo .. hi has the value
+ * read(x, i), or 0 if read is NULL. */
 PK_INLINE static const pk_real *pk_row(const struct pk_members *x, const pk_real *array,
                                        pk_real (*read)(const struct pk_members *x, ptrdiff_t i),
                                        ptrdiff_t lo, ptrdiff_t hi, ptrdiff_t from, ptrdiff_t n,
@@ -47,8 +50,8 @@ PK_INLINE static const pk_real *pk_row(const struct pk_members *x, const pk_real
     return room;
 }
 
-/* Returns how many of the indices m .. hi a term computes next. Where many are left, the first and
- * the last of lo .. hi are few, since they may read copies. */
+/* Returns how many of the indices m .. hi a term computes next. In a long range lo .. hi the first
+ * and the last call compute 8: only these then copy what they read. */
 PK_INLINE static ptrdiff_t pk_step(ptrdiff_t m, ptrdiff_t lo, ptrdiff_t hi)
 {
     const ptrdiff_t n = pk_least(PK_BLOCK, hi + 1 - m);

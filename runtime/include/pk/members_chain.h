@@ -7,8 +7,8 @@
 
 #include <pk/members_band.h>
 
-/* Writes the entries r of the row at index m, and the places c of their columns, -1 of a given
- * one. Returns how many there are. */
+/* Writes the entries r of the row at index m, and the places c of their columns. The place of a
+ * given member is -1. Returns the number of entries. */
 PK_PERHAPS static int pk_made_row(const struct pk_members *x, const struct pk_places *p,
                                   const struct pk_matrix *of, ptrdiff_t m, ptrdiff_t *c, pk_real *r)
 {

@@ -6,7 +6,7 @@
 
 #include <pk/members.h>
 
-/* Returns the index of the member that index i stands for, lo - 1 if it stands for none. A ring
+/* Returns the index of the member for which index i stands, lo - 1 if there is none. A ring
  * continues with its own members. The free ends repeat the first member for `below` indices, the
  * last one for `above`. */
 PK_PERHAPS static ptrdiff_t pk_home(ptrdiff_t i, ptrdiff_t lo, ptrdiff_t hi, int ring,

@@ -8,8 +8,6 @@
 
 #define PK_MOST_VALUES 256
 
-PK_INLINE static ptrdiff_t pk_most(ptrdiff_t a, ptrdiff_t b) { return a > b ? a : b; }
-
 /* Writes the `count` values of a term for m = from .. from + n - 1: value r to e[r * width],
  * e[r * width + 1], ...; 0 where m is not in lo .. hi. */
 PK_INLINE static void pk_fill(const struct pk_members *x, pk_values *values, int count,

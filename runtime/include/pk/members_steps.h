@@ -5,7 +5,7 @@
 #ifndef PK_MEMBERS_STEPS_H
 #define PK_MEMBERS_STEPS_H
 
-#include <pk/members.h>
+#include <pk/members_rows.h>
 
 #define PK_STAGES 32 /* kicks and drifts in one pass over memory */
 #define PK_MOST_CARRIED 64
@@ -65,7 +65,7 @@ PK_PERHAPS static void pk_one_pass(struct pk_members *x, const struct pk_kicks *
             const ptrdiff_t to = pk_least(ahead, end);
             ptrdiff_t from = done[s];
             if (to < end && end - to < lag && to - from > lag)
-                /* The last `lag` rows are made in one call: rows beyond the end read them before
+                /* One call makes the last `lag` rows. Rows beyond the end then read them before
                  * they drift. */
                 continue;
             x->t = time[s];
@@ -104,9 +104,9 @@ PK_PERHAPS static void pk_around(const struct pk_members *x, const struct pk_kic
 
 /* Makes `steps` steps of h from time t, in place: kicks v += kick[i] h a(q, t) for i = 0 ..
  * stages, and drifts q += drift[i] h v between them. The last kick of a step and the first of the
- * next are one. With a lag, terms of rows from m on read no rows before m, and none m + lag or
- * further; the stages of several steps are then made in one pass over memory. Rings of equal
- * length have minus this lag. Without a lag each kick is one pass, and so is each drift. */
+ * next are one. lag > 0: the terms of row m read rows m .. m + lag - 1 alone; several stages share
+ * a pass over memory. lag < 0: rings of equal length; a stage is a pass. lag = 0: each kick is a
+ * pass, and so is each drift. */
 PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_kicks *of, pk_real *e,
                                   ptrdiff_t lag, int stages, const pk_real *kick,
                                   const pk_real *drift, pk_real t, pk_real h, unsigned long steps,

@@ -22,7 +22,7 @@ from .loops_merge import merged, moves
 from .loops_places import Places
 from .loops_readers import beyond
 
-MOST_VALUES = 200  # A C function has no more values: PK_MOST_VALUES in members.h has room.
+MOST_VALUES = 200  # of a C function; PK_MOST_VALUES in members_rows.h must be at least this
 MOST_ROOM = 4096  # numbers in the buffers of a C function
 BLOCK, FEWEST = 512, 16  # the most and the fewest members that are computed at a time
 
@@ -48,7 +48,8 @@ class Terms:
 
 @dataclass
 class Goal:
-    """Value number `value` of terms, times `sign`, is added to output number `output`."""
+    """Value number `value` of terms, times `sign`, is added to output number `output` at the cells
+    `to`."""
 
     terms: Terms
     value: int
@@ -86,7 +87,8 @@ class Vector(Kernel):
     families: list[Group]
     scalars: list[Group]
     outputs: int
-    finish: str = "STORE"  # or QUOTIENT, DIVIDE (see members.h)
+    # STORE stores each output, QUOTIENT output 0 / output 1; DIVIDE divides the array by output 0.
+    finish: str = "STORE"
     kicks: bool = False  # whether it is an acceleration by which members are kicked
     is_merged: bool = False  # whether each row is one term (see loops_merge.py)
 
@@ -140,18 +142,18 @@ class Builder:
                     found.setdefault(x.over, []).append((output, x))
         terms, goals = [], []
         for over, items in found.items():
-            for first in range(0, len(items), MOST_VALUES):
-                part = items[first : first + MOST_VALUES]
-                shorter = self._short([x.node for _, x in part], short)
-                nodes: list[Node] = []
-                places = [self._place(nodes, node) for node in shorter]
-                made = self.terms(f"{name}_{len(terms)}", over, nodes)
-                terms.append(made)
-                goals += [
-                    Goal(made, value, sign, output, x.to)
-                    for (value, sign), (output, x) in zip(places, part, strict=True)
-                    if sign
-                ]
+            shorter = self._short([x.node for _, x in items], short)
+            nodes: list[Node] = []
+            places = [self._place(nodes, node) for node in shorter]
+            parts = range(0, len(nodes), MOST_VALUES)
+            own = [nodes[first : first + MOST_VALUES] for first in parts]
+            made = [self.terms(f"{name}_{len(terms) + k}", over, x) for k, x in enumerate(own)]
+            terms += made
+            goals += [
+                Goal(made[value // MOST_VALUES], value % MOST_VALUES, sign, output, x.to)
+                for (value, sign), (output, x) in zip(places, items, strict=True)
+                if sign
+            ]
         return terms, goals
 
     def _short(self, nodes: list[Node], short: bool) -> list[Node]:
@@ -198,7 +200,8 @@ def chunk_of(vector: Kernel, block: int) -> int:
 
 
 def halo_of(vector: Kernel) -> int:
-    """Returns how many terms more than rows a vector has, since terms reach several rows."""
+    """Returns how many more columns than rows a chunk has: a row reads terms at up to so many more
+    indices."""
     low, high = reach(vector)
     return high - low
 

@@ -188,11 +188,12 @@ class _Context(Prepared):
         lists = bool(plan.singularities or plan.switches or self.e.pivots or matrices)
         homes = self.readers.use_homes or any(x.has_ends for x in self.vectors.values())
         pairs = any(terms.is_pairs for terms in plan.all_terms)
-        filled = plan.observed or pairs or not all(x.is_direct for x in self.vectors.values())
+        filled = not all(x.is_direct for x in self.vectors.values())
+        filled |= self.fused or pairs or bool(plan.observed or matrices or plan.chain)
         angles = any(terms.block.trig for terms in plan.all_terms)
         names = ["members.h"]
         names += ["members_angles.h"] * angles
-        names += ["members_rows.h"] * bool(filled or matrices or plan.chain)
+        names += ["members_rows.h"] * filled
         names += ["members_ends.h"] * (homes or matrices)
         names += ["members_list.h"] * lists
         names += ["ldl.h", "members_band.h"] * matrices

@@ -53,7 +53,8 @@ def merged(
 
 
 def _at_row(x: Addend, g: Group, slots: Slots, wraps: dict) -> Node | None:
-    """Returns the addend to row m of the family, or None if not all rows have it."""
+    """Returns the addend to row m of the family, or None if not all rows have it, or if a free end
+    or an index in a ring makes rows differ."""
     shift = (x.to[0][1] - M).constant
     lo, hi = x.over[0] + shift, x.over[1] + shift
     node = slots.shifted(x.node, -shift)
@@ -61,7 +62,7 @@ def _at_row(x: Addend, g: Group, slots: Slots, wraps: dict) -> Node | None:
         around = hi - lo == g.hi - g.lo and _is_alike(node, g, slots)
         return node if around else None
     ends = (g.lo - lo, hi - g.hi)
-    whole = all(x.is_constant and x.constant >= 0 for x in ends)
+    whole = all(end.is_constant and end.constant >= 0 for end in ends)
     return node if whole and beyond(g, wraps.get(g.name, 0)) == (0, 0) else None
 
 

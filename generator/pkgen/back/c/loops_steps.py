@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...graph.affine import ROW
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.slots import M, Slots
-from .loops_kernels import Vector, added, chunk_of, halo_of, reach
+from .loops_kernels import Vector, added, chunk_of, halo_of, reach, rows_beyond
 from .loops_plan import Plan
 
 LINE = 8  # Members per cache line.
@@ -40,15 +40,14 @@ def lag_of(e: LoopEquations, vector: Vector, slots: Slots, block: int) -> int:
     carried = sum(len(terms.nodes) for terms in vector.of(2)) * halo
     if min(shifts) < low or carried > MOST_CARRIED or not _close(e):
         return 0
+    same = all((g.lo, g.hi) == (e.families[0].lo, e.families[0].hi) for g in e.families)
+    if not same and any(sum(rows_beyond(vector, g, e)) for g in e.families):
+        return 0  # Rows beyond the end of a shorter family would read members that have drifted.
     lag = max(shifts) - low + 1 + halo + added(vector, e)
     lag = -(-lag // LINE) * LINE
     if any(g.periodic for g in e.families):
-        same = all(
-            (g.lo, g.hi, g.periodic) == (e.families[0].lo, e.families[0].hi, True)
-            for g in e.families
-        )
-        lag = -lag if same else 0
-    return lag if abs(lag) <= min(MOST_LAG, chunk_of(vector, block)) else 0
+        lag = -lag if same and all(g.periodic for g in e.families) else 0
+    return lag if abs(lag) <= min(MOST_LAG, chunk_of(vector, block) - 1) else 0
 
 
 def _close(e: LoopEquations) -> bool:

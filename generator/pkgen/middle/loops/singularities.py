@@ -241,8 +241,8 @@ def _total(x: LoopExpander, found: Sum) -> str:
 
 
 def _covers(over: Over, group: Group) -> bool:
-    if not group.is_family:
-        return not over
+    if not (over and group.is_family):
+        return not (over or group.is_family)
     before, behind = group.lo - over[0], over[1] - group.hi
     return all(x.is_constant and x.constant >= 0 for x in (before, behind))
 
