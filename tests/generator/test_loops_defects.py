@@ -8,6 +8,7 @@ import pytest
 from loop_harness import Looped, Unrolled, looped
 from test_loops import METHODS, assert_kernels, fused, one_by_one
 
+from conftest import run_pkgen
 from pkgen.__main__ import main
 from pkgen.source import ModelError
 
@@ -97,10 +98,11 @@ ALONE = "potential sum(q[i]^2/2, i = 1..N)\n"
     ids=["alone", "unequal", "along"],
 )
 def test_members_that_feel_no_others_compile(text, tmp_path):
-    at = Looped(f"model alone\n{HEAD}{text}", tmp_path).at(5)
-    q = [0.1 * k for k in range(at.n)]
-    _, (force,) = at.call("force", 0.0, q, [0.0] * at.n, (), (at.n,))
-    assert force[:5] == [-x for x in q[:5]]
+    """A run compiles few kernels, and headers for these alone."""
+    scene = "start q[1] = 1\nscene a\nuntil 1\nmethod verlet step 0.01\nrecord q[1] every 1\nend\n"
+    (tmp_path / "alone.lag").write_text(f"model alone\n{HEAD}{text}{scene}")
+    done = run_pkgen("run", tmp_path / "alone.lag", "--scene", "a")
+    assert float(done.stdout.split(",")[-1]) == pytest.approx(math.cos(1), abs=1e-4)
 
 
 def test_a_free_end_of_the_shorter_of_two_families_reads_what_has_not_drifted(tmp_path):
