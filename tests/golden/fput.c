@@ -1581,10 +1581,10 @@ void fput_mass(const struct fput_params *p, pk_real t, const pk_real *q, const p
 
     (void)t, (void)q, (void)v, (void)u;
     for (i = 0; i < (ptrdiff_t)(p->N); i++)
-        M[0 + i] = 1;
+        M[i] = 1;
 }
 
-/* a = q'' with M a = f, M diagonal: a division a row. */
+/* a = q''. All masses are 1: a = f. */
 int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                       const pk_real *u, pk_real *PK_RESTRICT a)
 {

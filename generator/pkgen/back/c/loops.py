@@ -1,8 +1,8 @@
 """Turns LoopEquations into blocks of C statements, such as bodies of terms and assignments.
 
 A block is straight-line code. It first loads its inputs into local constants: in terms, for a
-member m or a pair m and j, by pointers to successive members (Row). Expressions of parameters and
-sizes alone are hoisted into `prepare`.
+member m or a pair m and j, by pointers to successive members (Window). Expressions of parameters
+and sizes alone are hoisted into `prepare`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ...middle.loops.loops import LoopEquations
 from ..targets import LOAD, Target
 from .expressions import Code, variable
 from .hoist import Hoisting, rewritten
-from .loops_blocks import FIXED, TERMS, Block, Row
+from .loops_blocks import FIXED, TERMS, Block, Window
 from .loops_places import Places
 from .loops_readers import SUFFIXES, Readers
 from .names import LOCAL_RESERVED, Names, local_wish
@@ -57,7 +57,7 @@ class Lowering(Hoisting):
         self.inputs = [q.name for q in equations.inputs]
         self._locals = Names(LOCAL_RESERVED, _OURS, self.prefix)
         self._names: dict[Slot, str] = {}
-        self._pointers: dict[Slot, str] = {}  # of rows of terms
+        self._pointers: dict[Slot, str] = {}  # of windows
         targets = []
         for block in blocks:
             new = rewrite(self.work, block.nodes, gather=block.where != FIXED)
@@ -161,10 +161,10 @@ class Lowering(Hoisting):
         return [*loads, *schedule.statements]
 
     def _reads(self, slots: list[Slot], block: Block) -> list[Statement]:
-        """Returns the loads of a term for one index. Adds to the block the rows that these read,
+        """Returns the loads of a term for one index. Adds to the block the windows that these read,
         and the loads that are the same for all indices."""
         running = OTHER if block.pairs else ROW
-        rows: dict[Slot, Row] = {}
+        windows: dict[Slot, Window] = {}
         found: list[tuple[Slot, Code | None]] = []
         for slot in slots:
             step = 0 if slot.at is None else slot.at.factor(running)
@@ -173,22 +173,22 @@ class Lowering(Hoisting):
             elif step == 1 and not block.sequence:
                 shift = slot.at.constant
                 key = replace(slot, at=slot.at - shift)
-                if key not in rows:
-                    rows[key] = Row(key, self._pointer(slot), shift, shift)
-                rows[key].low = min(rows[key].low, shift)
-                rows[key].high = max(rows[key].high, shift)
+                if key not in windows:
+                    windows[key] = Window(key, self._pointer(slot), shift, shift)
+                windows[key].low = min(windows[key].low, shift)
+                windows[key].high = max(windows[key].high, shift)
                 found.append((slot, None))
             elif step == 0:
                 code = self.readers.member(slot, block.over)
                 block.once.append(Statement.of(LOAD, self._local(slot), code))
             else:
                 found.append((slot, self.readers.member(slot, block.over)))
-        block.rows = [*rows.values()]
+        block.windows = [*windows.values()]
         loads = []
         for slot, code in found:
             if code is None:
-                row = rows[replace(slot, at=slot.at - slot.at.constant)]
-                code = Code(row.text(slot.at.constant), (row.pointer, "k"))
+                window = windows[replace(slot, at=slot.at - slot.at.constant)]
+                code = Code(window.text(slot.at.constant), (window.pointer, "k"))
             loads.append(Statement.of(LOAD, self._local(slot), code))
         return loads
 

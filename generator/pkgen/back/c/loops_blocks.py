@@ -19,7 +19,7 @@ def plus(text: str, shift: int) -> str:
 
 
 @dataclass
-class Row:
+class Window:
     """Successive members of a family, to which a C pointer of a term points: for the first index of
     the term, the members at the index of `slot` plus low .. high."""
 
@@ -37,15 +37,15 @@ class Row:
 class Block:
     """Straight-line code: the expressions to store (`targets`) and the C statements, which Lowering
     adds. `where` is INNER, TERMS or FIXED: how the block reads members of families. In TERMS, the
-    block is the body of a loop over the indices `over`; Lowering adds the rows that it reads, and
-    the statements before the loop."""
+    block is the body of a loop over the indices `over`; Lowering adds the windows that it reads,
+    and the statements before the loop."""
 
     targets: list[Target]
     where: str
     statements: list[Statement] = field(default_factory=list)
     over: Over = ()
     sequence: bool = False
-    rows: list[Row] = field(default_factory=list)
+    windows: list[Window] = field(default_factory=list)
     once: list[Statement] = field(default_factory=list)
 
     @staticmethod

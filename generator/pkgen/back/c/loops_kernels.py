@@ -74,6 +74,9 @@ class Kernel:
         """The terms with so many numbers in their index range: 0, 2 or 4."""
         return [terms for terms in self.terms if len(terms.over) == kind]
 
+    def goals_of(self, terms: Terms) -> list[Goal]:
+        return [goal for goal in self.goals if goal.terms is terms]
+
     @property
     def most(self) -> int:
         """The largest number of values of one function."""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from ...graph.affine import Affine
 from ...middle.loops.indexed_ir import Group
 from ...middle.loops.loops import LoopEquations
 from .loops_places import Places
+from .loops_plan import row_group
 from .loops_readers import Readers
 
 
@@ -27,9 +26,7 @@ class Numbers:
         for g in (*e.coordinates, *e.carried_groups):
             self._enter(g, "")
         for rows in e.bound:
-            # A single row counts as a scalar: it is read and written without its index.
-            g = replace(rows.group, lo=None, hi=None) if rows.is_single else rows.group
-            self._enter(g, "lambda")
+            self._enter(row_group(rows), "lambda")
 
     def _enter(self, g: Group, kind: str) -> None:
         self.families[g.name, kind] = len(self.rows)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from ...graph.affine import OTHER, ROW, Affine
+from ...graph.affine import Affine
 from ...middle.loops.indexed_ir import Group, Slot
 from ...middle.loops.indices import COUNTERS, unlike_loops
 from ...middle.loops.loops import LoopEquations
+from ...middle.loops.slots import M
 from .names import FIELD_RESERVED, Names
-
-M, J = Affine(0, ((ROW, 1),)), Affine(0, ((OTHER, 1),))
 
 
 class Places:

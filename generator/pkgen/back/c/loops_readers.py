@@ -13,7 +13,7 @@ from ...graph.graph import ZERO
 from ...middle.loops.indexed_ir import Group, Over, Slot
 from .expressions import Code
 from .kernel_code import statements
-from .loops_blocks import Block, Row
+from .loops_blocks import Block, Window
 from .loops_places import Places
 from .names import Names
 from .tree import Declare, Function, If, Loop, Node, rendered
@@ -101,16 +101,18 @@ class Readers:
             )
         return Code("PK_C(0.0)" if self._is_zero(slot) else self._stored(slot), ("m",))
 
-    def pointer(self, row: Row, over: Over) -> str:
-        """Returns the C expression of a row's pointer."""
-        low, high = (replace(row.slot, at=row.slot.at + end) for end in (row.low, row.high))
+    def pointer(self, window: Window, over: Over) -> str:
+        """Returns the C expression of a window's pointer."""
+        low, high = (
+            replace(window.slot, at=window.slot.at + end) for end in (window.low, window.high)
+        )
         first = low.at.replaced({OTHER if len(over) == 4 else ROW: variable("from")})
         inside = self._is_inside(low, over) and self._is_inside(high, over)
         if inside and not self._is_zero(low):
             return self._pointer(replace(low, at=first))
-        key, span = (low.kind, low.name), row.high - row.low
+        key, span = (low.kind, low.name), window.high - window.low
         count = f"n + {span}" if span else "n"
-        to = f"{self.places.index(first)}, {count}, {row.pointer}_room"
+        to = f"{self.places.index(first)}, {count}, {window.pointer}_room"
         if self._is_zero(low):
             self._rows.add(key)
             return f"{self.name}_row_{self._reader(*key)}(x, {to})"

@@ -28,7 +28,11 @@ class Rows:
         self.halo, self.low = halo_of(of), reach(of)[0]
         self.most, self.chunk, self.count = reach(of)[1], chunk_of(of, block), added(of, e)
         self.width = self.chunk + self.halo
-        self.values = sum(len(terms.nodes) for terms in of.of(2))
+        self.first: dict[str, int] = {}  # The number of each term's first value in e.
+        self.values = 0
+        for terms in of.of(2):
+            self.first[terms.name] = self.values
+            self.values += len(terms.nodes)
         self.ends = {g.name: readers.ends(g) for g in of.families}
         self.beyond = {g.name: rows_beyond(of, g, e) for g in of.families}
         self.has_ends = self.count > 0
@@ -41,10 +45,6 @@ class Rows:
 
     def rows(self, g: Group, width: int) -> list[str]:
         """Returns the row of each output before a division, as the sum of elements of e."""
-        first, place = 0, {}
-        for terms in self.of.of(2):
-            place[terms.name] = first
-            first += len(terms.nodes)
         values = []
         for output in range(self.of.outputs):
             text = ""
@@ -52,7 +52,7 @@ class Rows:
                 cell = goal.to[0]
                 if len(goal.terms.over) == 2 and goal.output == output and cell[0] == g.name:
                     column = self.most - cell[1].constant
-                    row = place[goal.terms.name] + goal.value
+                    row = self.first[goal.terms.name] + goal.value
                     sign = (" - " if text else "-") if goal.sign < 0 else " + " * bool(text)
                     text += f"{sign}e[{plus('k', row * width + column)}]"
             values.append(text or "0")
@@ -61,13 +61,12 @@ class Rows:
     def fills(self, first: str, n: str, e: str, width: int) -> Iterator[Node]:
         """Yields the calls that write the terms of n rows to e; `first` is the index m of the first
         column."""
-        done = 0
         for terms in self.of.of(2):
             lo, hi = map(self.index, terms.over)
+            done = self.first[terms.name]
             to = f"{e} + {done * width}" if done else e
             own = f"{self.model}_{terms.name}, {len(terms.nodes)}, {lo}, {hi}"
             yield f"pk_fill(x, {own}, {first}, {n}, {to}, {width});"
-            done += len(terms.nodes)
 
     def clip(self, g: Group) -> tuple[str, str]:
         """Returns the range of k of a family's members in a chunk."""
@@ -148,7 +147,7 @@ class Rows:
             to = ", ".join(f"one + {k}" for k in range(count))
             body: list[Node] = [f"pk_real one[{count}], *const o[] = {{{to}}};", ""]
             body.append(f"{self.model}_{terms.name}(x, 0, 0, 1, o);")
-            for goal in (goal for goal in self.of.goals if goal.terms is terms):
+            for goal in self.of.goals_of(terms):
                 (name, at), sign = goal.to[0], "-" if goal.sign < 0 else ""
                 if name in self.scalars:
                     k = self.scalars.index(name) * self.of.outputs + goal.output

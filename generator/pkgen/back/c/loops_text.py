@@ -57,7 +57,7 @@ class KernelText:
     def _function(self, terms: Terms) -> str:
         name, block = f"{self.name}_{terms.name}", terms.block
         head: list[Node] = ["ptrdiff_t k;", *["pk_bits far = 0;"] * block.trig]
-        for row in block.rows:
+        for row in block.windows:
             pointer = self.readers.pointer(row, block.over)
             if f"{row.pointer}_room" in pointer:
                 head.append(f"pk_real {row.pointer}_room[PK_BLOCK + {row.high - row.low}];")
@@ -122,8 +122,7 @@ class KernelText:
             f"{{{found.index(x.terms)}, {x.value}, {x.sign}, {x.output}, "
             f"{self._cell(x.to[0], unknowns)}, {self._cell(x.to[1], unknowns)}}}"
             for terms in found
-            for x in of.goals
-            if x.terms is terms
+            for x in of.goals_of(terms)
         ]
         text += table("struct pk_entry", f"{stem}_{end}entries", rows)
         members = [

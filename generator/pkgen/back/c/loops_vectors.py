@@ -79,7 +79,7 @@ class VectorText(Rows):
         yield ""
         groups = {g.name: g for g in self.of.families}
         for terms in self.of.terms:
-            goals = sorted((x for x in self.of.goals if x.terms is terms), key=lambda x: x.value)
+            goals = sorted(self.of.goals_of(terms), key=lambda x: x.value)
             lo, hi = map(self.index, terms.over)
             to = [f"{out[x.output]} + {self.place(groups[x.to[0][0]], 'from')}" for x in goals]
             body = [
@@ -101,12 +101,7 @@ class VectorText(Rows):
         for number, g in enumerate(self.of.families):
             body += self._family(number, g, out, bad)
         for goal in self.to_scalars:
-            row = 0
-            for terms in self.of.of(2):
-                if terms is goal.terms:
-                    break
-                row += len(terms.nodes)
-            start = (row + goal.value) * self.width
+            start = (self.first[goal.terms.name] + goal.value) * self.width
             number = self.scalars.index(goal.to[0][0]) * self.of.outputs + goal.output
             row = f"e + {start}" if start else "e"
             body.append(f"pk_add_up({row}{known}, {more}, {goal.sign}, sums[{number}]);")
@@ -170,9 +165,8 @@ class VectorText(Rows):
         yield f"{out[0]}{at} = {f'scalars[{first}]' if quotient else f'{out[0]}{at}'} / {mass};"
 
     def _pairs(self, terms: Terms, out: Sequence[str]) -> Iterator[Node]:
-        goals = [goal for goal in self.of.goals if goal.terms is terms]
         lines: list[Node] = []
-        for goal in goals:
+        for goal in self.of.goals_of(terms):
             (name, at), sign = goal.to[0], "-" if goal.sign < 0 else "+"
             own = self.places.first[name]
             if at is not None and at.factor(OTHER):
