@@ -22,7 +22,8 @@ from .loops_merge import merged, moves
 from .loops_places import Places
 from .loops_readers import beyond
 
-MOST_VALUES = 200  # of a C function; PK_MOST_VALUES in members_rows.h must be at least this
+# A C function has at most so many values; PK_MOST_VALUES in members_rows.h is no less.
+MOST_VALUES = 200
 MOST_ROOM = 4096  # numbers in the buffers of a C function
 BLOCK, FEWEST = 512, 16  # the most and the fewest members that are computed at a time
 
@@ -187,8 +188,8 @@ def members_in(values: int) -> int:
 
 
 def block_of(found: Iterable[Terms], slots: Slots) -> int:
-    """Returns how many members C functions of terms compute at a time: their values and copies of
-    what they read fit into cache."""
+    """Returns how many members C functions of terms compute at a time. Values and copies of the
+    members that they read then fit into the cache."""
     most = 1
     for terms in found:
         rows = {(s.kind, s.name) for s in slots.below(*terms.nodes) if s.at is not None}

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...middle.loops.indexed_ir import Group
-from .loops_readers import declared
-from .loops_rows import Rows, X, unused
+from .loops_readers import X, declared
+from .loops_rows import Rows, unused
 from .tree import Function, If, Loop, Node, Scope
 
 

@@ -1,4 +1,4 @@
-"""What is computed before the text of a model with families: its kernels, and all blocks of C."""
+"""Plans the kernels of a model with families, and lowers all its blocks before there is text."""
 
 from __future__ import annotations
 

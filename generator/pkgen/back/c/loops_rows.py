@@ -13,10 +13,8 @@ from .loops_blocks import plus
 from .loops_kernels import Goal, Vector, added, chunk_of, halo_of, reach, rows_beyond
 from .loops_merge import moves
 from .loops_places import Places
-from .loops_readers import Ends, Readers, declared
+from .loops_readers import Ends, Readers, X, declared
 from .tree import Function, If, Loop, Node, Scope, rendered
-
-X = "const struct pk_members *x"
 
 
 class Rows:
@@ -136,8 +134,7 @@ class Rows:
         return Function(head, body, says).text + "\n"
 
     def _append(self, number: int, output: int, ends: Ends, at: str, value: str) -> str:
-        home = ends.home(at) if ends.are_members else at
-        there = f"added, count, {number}, {output}, {home}, {ends.lo}, first, end, {value}"
+        there = f"added, count, {number}, {output}, {ends.home(at)}, {ends.lo}, first, end, {value}"
         return f"count = pk_append({there});"
 
     def _singles(self) -> Iterator[Node]:
