@@ -42,9 +42,10 @@ ARCHIVES = {"run": "librun.a", "omp": "librun.a", "gsl": GSL, "src": "libpk.a"} 
 # longer, with many rows or events 10 %.
 QUICK = ("src/core", "src/explicit", "src/implicit", "src/integrate", "src/variational")
 HOT = (
-    *("src/ensemble/*.c", "src/variational/*.c", "src/implicit/gauss_dense.c"),
+    *("src/ensemble/*.c", "src/variational/*.c"),
     *("src/explicit/embedded.c", "src/explicit/erk.c", "src/explicit/splitting.c"),
-    *("src/core/scale.c", "src/constraints/project.c", "src/watch/diagnostics.c"),
+    *("src/core/band.c", "src/core/scale.c", "src/implicit/gauss_*.c"),
+    *("src/constraints/project.c", "src/watch/diagnostics.c"),
     *("src/events/events_look.c", "src/events/crossings.c", "run/diagnose/adjoint*.c"),
 )
 FAMILIES = {  # parts of the method families that are not in the core

@@ -108,12 +108,13 @@ static void exchange(pk_real *x, pk_real *y, size_t count)
     }
 }
 
-/* Makes the pivot of column k as large as its largest entry, by an additional unknown. */
-static void mend(const struct pk_band *b, size_t k)
+/* Makes the pivot of column k as large as `size`, the largest entry of this column, by an additional
+ * unknown. */
+static void mend(const struct pk_band *b, size_t k, pk_real size)
 {
     const size_t width = stride(b), z = pk_index(*b->used, width);
     pk_real *pivot = row(b, k) + k;
-    const pk_real size = b->column[k] > 0 ? b->column[k] : 1, pull = *pivot < 0 ? -size : size;
+    const pk_real added = size > 0 ? size : 1, pull = *pivot < 0 ? -added : added;
     *pivot += pull;
     *b->used += 1;
     b->right[k * width + z] = -1;
@@ -137,21 +138,26 @@ int pk_band_factor(const struct pk_band *b)
         b->pivot[k] = (pk_real)best; /* stored as pk_real, like the rest of the work memory */
         const size_t reach = last(b, best);
         filled = reach > filled ? reach : filled;
+        const pk_real size = b->column[k];
+        b->column[k] = (pk_real)filled;
         if (best != k) {
             exchange(row(b, k) + k, row(b, best) + k, filled - k);
             exchange(b->right + k * width, b->right + best * width, used);
         }
-        if (!(pk_abs(row(b, k)[k]) > SMALL * b->column[k]) && used < width) {
-            mend(b, k);
+        if (!(pk_abs(row(b, k)[k]) > SMALL * size) && used < width) {
+            mend(b, k, size);
             used++;
         }
         const pk_real *U = row(b, k), d = U[k], *right = b->right + k * width;
+        pk_real *L = row(b, k) + k - b->below; /* room for the multipliers of column k */
         if (!(pk_abs(d) > 0) || !pk_finite(d))
             return 0;
         for (size_t i = k + 1; i < end; i++) {
             pk_real *A = row(b, i);
             const pk_real l = A[k] / d;
-            A[k] = l;
+            L[i - k - 1] = l;
+            if (pk_abs(l) <= 0) /* most entries inside a band of several stages are 0 */
+                continue;
             for (size_t j = k + 1; j < filled; j++)
                 A[j] -= l * U[j];
             for (size_t c = 0; c < used; c++)
@@ -172,6 +178,19 @@ int pk_band_factor(const struct pk_band *b)
     return pk_lu_factor(b->corner, b->pivot + n, used);
 }
 
+/* Returns the scalar product of two vectors, in four sums that do not wait for each other. */
+static pk_real product(const pk_real *x, const pk_real *y, size_t count)
+{
+    pk_real sums[4] = {0, 0, 0, 0};
+    size_t j = 0;
+    for (; j + 4 <= count; j += 4)
+        for (size_t c = 0; c < 4; c++)
+            sums[c] += x[j + c] * y[j + c];
+    for (; j < count; j++)
+        sums[0] += x[j] * y[j];
+    return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
+
 void pk_band_solve(const struct pk_band *b, pk_real *x)
 {
     const size_t n = b->rows, width = stride(b), used = pk_index(*b->used, width + 1);
@@ -187,8 +206,9 @@ void pk_band_solve(const struct pk_band *b, pk_real *x)
         const pk_real swap = x[k];
         x[k] = x[best];
         x[best] = swap;
+        const pk_real *L = row(b, k) + k - b->below;
         for (size_t i = k + 1; i < end; i++)
-            x[i] -= row(b, i)[k] * x[k];
+            x[i] -= L[i - k - 1] * x[k];
         for (size_t c = 0; c < used; c++)
             y[c] -= b->bottom[k * width + c] * x[k];
     }
@@ -196,12 +216,11 @@ void pk_band_solve(const struct pk_band *b, pk_real *x)
     pk_copy(x + n, y, b->border);
     for (size_t k = n; k-- > 0;) {
         const pk_real *U = row(b, k);
-        const size_t end = least(n, k + b->below + b->above + 1);
+        const size_t start = k + 1, end = pk_index(b->column[k], n + 1);
+        const size_t count = end > start ? end - start : 0; /* a restored value may be invalid */
         for (size_t c = 0; c < used; c++)
             x[k] -= b->right[k * width + c] * y[c];
-        for (size_t j = k + 1; j < end; j++)
-            x[k] -= U[j] * x[j];
-        x[k] /= U[k];
+        x[k] = (x[k] - product(U + start, x + start, count)) / U[k];
     }
 }
 
