@@ -78,7 +78,7 @@ class Way:
     def operations(self) -> int | None:
         """A step, of gauss an iteration; of parts the sum of theirs."""
         parts = self.compilation.parts
-        if self.compilation.looped:
+        if not self.compilation.equations.dense:
             return None
         methods = [p.method for p in self.settings.parts] or [self.settings.method] * max(
             1, len(parts)

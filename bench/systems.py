@@ -157,7 +157,7 @@ def _freedom(compilation: Compilation) -> tuple[int, int]:
     declared = named.declared(compilation).count - len(model.rotations) - len(model.constraints)
     declared += sum(len(mode.constraints) for mode in model.modes)
     declared -= sum(state.name.startswith("loss(") for state in model.states)
-    if compilation.looped:
+    if not compilation.equations.dense:
         return declared, named.coordinates(compilation).count
     quaternions = sum(4 for a in e.attitudes if a.state >= 0)
     rows = len(e.constraints.names) - len(e.constraints.meetings) if e.constraints else 0

@@ -79,9 +79,9 @@ READ = {
     "pages": """
         analysis.chart.chart analysis.chart.table analysis.chart.text analysis.stability.map
         analysis.stability.text compiler equations explain.contents explain.explain
-        explain.flat explain.loops explain.rows explain.scenes front.parse front.statements
+        explain.flat explain.families explain.rows explain.scenes front.parse front.statements
         front.words graph.differentiate graph.graph indices middle.analyze.sympy_bridge
-        middle.loops.indexed_ir middle.loops.loops middle.quantities model plot.compose
+        middle.families.indexed_ir middle.families.equations middle.quantities model plot.compose
         plot.draw plot.names plot.style plot.table plot.view run.diagnostics_text run.named
         tree
     """,

@@ -32,7 +32,7 @@ middle middle/points
 middle/expand middle/analyze
 middle/particles
 middle/derive
-middle/reduce middle/loops
+middle/reduce middle/families
 back back/host
 back/c back/wasm
 plan

@@ -8,8 +8,8 @@
     lower    Equations, Structure -> Program     straight-line code with common subexpressions
     render   Program              -> {file name: text}
 
-If the families (q[1..N]) of a model stay loops, the stages make LoopEquations, Facts and
-LoopProgram. If they are unrolled, Equations.unrolled gives the reason.
+If the families (q[1..N]) of a model stay loops, the stages make FamilyEquations, Structure and
+FamilyProgram. If they are unrolled, Equations.unrolled gives the reason.
 
 Each stage imports only earlier stages, does not modify its arguments, and prints nothing.
 """
@@ -25,7 +25,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from .back.c.constant_range import Beyond, extreme
-from .equations import Equations, Facts, Structure
+from .equations import Equations, Structure
 from .front import parse
 from .front.check import check
 from .methods import Own
@@ -35,8 +35,8 @@ from .middle.derive import derive
 from .middle.derive.closed_forms import check_exact
 from .middle.derive.first_degree import as_states
 from .middle.derive.legendre import in_pairs
-from .middle.loops.indexed_ir import Unrolled
-from .middle.loops.loops import LoopEquations
+from .middle.families.equations import FamilyEquations
+from .middle.families.indexed_ir import NotKept
 from .middle.quantities import families, too_deep
 from .middle.reduce import reduce
 from .middle.reduce.reduction import ENOUGH, Needs, State
@@ -48,7 +48,7 @@ from .source import Diagnostic, ModelError, Source, Span
 from .system.progress import trace
 
 if TYPE_CHECKING:
-    from .back.c.program import LoopProgram, Program
+    from .back.c.program import FamilyProgram, Program
 
 STAGES = ("parse", "check", "derive", "analyze", "reduce", "lower", "render")
 
@@ -90,10 +90,10 @@ class Compilation:
     declared: Model
     model: Model
     warnings: tuple[Diagnostic, ...]
-    equations: Equations | LoopEquations
-    structure: Facts  # a Structure if families are unrolled
+    equations: Equations | FamilyEquations
+    structure: Structure  # a Structure if families are unrolled
     report: Report
-    program: Program | LoopProgram
+    program: Program | FamilyProgram
     files: dict[str, str]
     parts: tuple[CompiledPart, ...] = ()  # blocks of coordinates that are integrated separately
     plan: CompilePlan = CompilePlan()
@@ -102,11 +102,6 @@ class Compilation:
     def blocks(self) -> list[tuple[str, tuple[int, ...]]]:
         """The names of the parts, and the indices of their coordinates."""
         return [(part.name, part.coordinates) for part in self.parts]
-
-    @property
-    def looped(self) -> bool:
-        """Whether the families are loops in C."""
-        return isinstance(self.equations, LoopEquations)
 
 
 @_told
@@ -147,26 +142,27 @@ def stages(
     with _no_collection():
         flat = self_test or canonical or (kernels is not None and not plain)
         equations = _equations(model, flat, called, unroll, needs)
-        if isinstance(equations, LoopEquations):
-            from .middle.loops.proofs import with_proofs
+        if isinstance(equations, FamilyEquations):
+            from .middle.families.proofs import with_proofs
 
             equations = with_proofs(equations, file, use.of, symmetric)
     check_exact(*use.exact(declared))
     yield equations
-    if isinstance(equations, LoopEquations):
+    if isinstance(equations, FamilyEquations):
         yield equations.facts
         check_claims(model, equations.facts.claims)
         if needs is not None:
             equations, gone = _of_loops(equations, needs)
             lines = (*lines, *gone)
         yield equations, equations.facts, Report(lines)
-        from .back.c import loops_lower, render
+        from .back.c import render
+        from .back.c.families import lower as families_in_c
 
         with _in_range(model):
             plan = planned(equations, equations.facts)
-            loops = loops_lower.lower_loops(equations, libm, plan.kernels, plain)
+            loops = families_in_c.lower_families(equations, libm, plan.kernels, plain)
         yield loops, (), plan
-        yield render.render_loops(loops)
+        yield render.render_families(loops)
         return
     structure = analyze.analyze(equations, symmetric, with_claims=True)
     yield structure
@@ -216,15 +212,15 @@ def stages(
 
 
 def _of_loops(
-    equations: LoopEquations, needs: Needs
-) -> tuple[LoopEquations, tuple[ReportLine, ...]]:
+    equations: FamilyEquations, needs: Needs
+) -> tuple[FamilyEquations, tuple[ReportLine, ...]]:
     """Drops outputs that no column needs, and `conserve` claims, which are judged before a run."""
     model, lines = reduce.outputs_of_loops(equations.model, needs)
     if not lines:
         return equations, ()
-    from .middle.loops.derive import derive_loops
+    from .middle.families.derive import derive_families
 
-    return replace(derive_loops(model), facts=equations.facts), lines
+    return replace(derive_families(model), facts=equations.facts), lines
 
 
 def _kept(
@@ -284,8 +280,8 @@ def _equations(
     called: frozenset[str] | None,
     unroll: int | None,
     needs: Needs | None,
-) -> Equations | LoopEquations:
-    """Returns LoopEquations, or unrolled Equations with the reason in their field `unrolled`."""
+) -> Equations | FamilyEquations:
+    """Returns FamilyEquations, or unrolled Equations with the reason in their field `unrolled`."""
     declared = (*model.coordinates, *model.states)
     count = sum(f.count for f in families(model, declared).values())
     if flat:
@@ -296,13 +292,13 @@ def _equations(
         reason = "so few coordinates are faster as straight-line code"
     else:
         try:
-            from .middle.loops.derive import derive_loops
+            from .middle.families.derive import derive_families
 
-            made = derive_loops(model)
+            made = derive_families(model)
             if not made.has_pairs or unroll == 0 or count > PAIRS * unroll:
                 return made
             reason = "so few pairs are faster as straight-line code"
-        except Unrolled as cannot:
+        except NotKept as cannot:
             reason = str(cannot)
     # reduce() needs only the kernels ENOUGH; then it derives the requested kernels.
     now = called if needs is None else ENOUGH

@@ -14,16 +14,24 @@ Families (q[1..N]) are unrolled: each member is a separate quantity, in declarat
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING, TypeAlias
 
-from .graph.graph import Graph, Node
+from .graph.graph import ZERO, Graph, Node
 from .graph.solve import Pivots
-from .indices import multiplied
+from .indices import indexed, multiplied
 from .model import Definition, Event, Model
 from .record import record
 from .source import Diagnostic, Span
 
+if TYPE_CHECKING:
+    from .middle.families.equations import FamilyEquations
+
+# Equations that are written out, or kept for families of any length. Both have the properties by
+# which runs and reports know a model.
+AnyEquations: TypeAlias = "Equations | FamilyEquations"
 Row = tuple[Node, ...]
 Matrix = tuple[Row, ...]
 
@@ -40,6 +48,37 @@ class Quantity:
     def each(items: Iterable[Definition | Event]) -> tuple[Quantity, ...]:
         """Returns a quantity for each item, in order."""
         return tuple(Quantity(x.name, x.unit, x.description) for x in items)
+
+
+@record
+class Declared:
+    """A declaration of a quantity, or of a family of quantities with the indices lo..hi. A flat
+    index counts single quantities over all declarations; `first` is that of the first one here."""
+
+    quantity: Quantity
+    first: int
+    lo: int | None
+    hi: int | None
+
+    @staticmethod
+    def each(quantities: Iterable[Quantity]) -> list[Declared]:
+        """Returns a separate declaration for each quantity, also for each member of a family."""
+        return [Declared(q, i, None, None) for i, q in enumerate(quantities)]
+
+    def member(self, index: int | None) -> Quantity:
+        name, primes = self.quantity.name.rstrip("'"), self.quantity.name.count("'")
+        shown = indexed(name, index) + "'" * primes
+        return Quantity(shown, self.quantity.unit, self.quantity.description)
+
+    def members(self, most: int = sys.maxsize) -> list[Quantity]:
+        """Returns the first `most` members of the family, or the single quantity."""
+        if self.lo is None:
+            return [self.quantity]
+        return [self.member(index) for index in range(self.lo, self.lo + min(self.count, most))]
+
+    @property
+    def count(self) -> int:
+        return 1 if self.lo is None else self.hi - self.lo + 1
 
 
 @record
@@ -65,6 +104,10 @@ class Switch:
     slope_t: Node = 0  # derivative by t, also through inputs, at constant coordinates
     counted: bool = False  # whether it counts pieces (functions/row.py, Kinked.place)
     held: bool = True  # whether a step keeps its branch, even beyond the zero
+
+    @property
+    def name(self) -> str:
+        return self.quantity.name
 
 
 @record
@@ -301,6 +344,45 @@ class Equations:
     # For C: the requested Jacobians by name (middle/derive/sensitivity.py).
     sensitivity: Mapping[str, Matrix] | None = None
 
+    # Whether C has kernels of dense matrices, and every quantity a name of its own. Equations that
+    # are kept for families of any length (middle/families) have neither.
+    dense = True
+    # Whether members of long families feel only those near them.
+    is_chain = False
+
+    # The shape of M in words, where it is not read from the facts.
+    mass_in_words = ""
+
+    @property
+    def forces_beyond(self) -> list[str]:
+        """The kinds of forces that do not come from L, in words."""
+        bound = self.constraints
+        applied = bound.free_applied if bound else self.applied[: self.inertial]
+        found = ["of constraints"] if bound else []
+        return found + ["force or dissipation"] * any(node != ZERO for node in applied)
+
+    def listed(self, kind: str) -> list[Declared]:
+        """Returns the quantities of a kind as a run numbers them: "q", "v" (rates, then states),
+        "param" or "observed"."""
+        found = {"q": self.seen, "v": (*self.rates, *self.states), "observed": self.observed_names}
+        named = (slot.quantity for slot in self.parameters)
+        return Declared.each(named if kind == "param" else found[kind])
+
+    @property
+    def single_outputs(self) -> dict[str, Node]:
+        """The outputs with one value each, by name."""
+        return {q.name: x for q, x in zip(self.observed_names, self.observed, strict=True)}
+
+    @property
+    def has_energy(self) -> bool:
+        """A model with states only has none, unless they come from an L of first degree in the
+        rates."""
+        return bool(self.coordinates or self.model.lagrangian)
+
+    @property
+    def n_switches(self) -> int:
+        return len(self.switches)
+
     @property
     def moving(self) -> tuple[str, ...]:
         """The names of the rows of M: coordinates, or for rotations body rates."""
@@ -383,8 +465,10 @@ class Symmetries:
 
 
 @record
-class Facts:
-    """Proved facts about a system; False means not proved. See enum pk_fact."""
+class Structure:
+    """Proved facts about a system and its coordinates; False means not proved, an empty tuple that
+    nothing is known. See enum pk_fact. `influences` may have too many entries, but a missing entry
+    is proved to have no influence."""
 
     mass_constant: bool
     mass_diagonal: bool
@@ -401,21 +485,14 @@ class Facts:
     fast: bool = False  # separable, with terms of V that the model names fast
     claims: tuple[Claim, ...] = ()
     symmetries: Symmetries | None = None  # None: not requested
-
-    @property
-    def smooth_in_pieces(self) -> bool:
-        return self.smooth or self.switched
-
-
-@record
-class Structure(Facts):
-    """Facts about the system and its coordinates. `influences` may have too many entries, but a
-    missing entry is proved to have no influence."""
-
     cyclic: tuple[bool, ...] = ()  # whether p_i is constant
-    definite: bool = False  # M is positive definite wherever it is finite
+    definite: bool | None = None  # M is positive definite wherever it is finite; None: not asked
     singular: tuple[str, ...] = ()  # expressions at whose zeros M may be singular
     mass_blocks: Indices = ()  # blocks of coordinates coupled by M, the finest partition
     mass_band: int = 0  # largest |i - j| of a nonzero entry of M
     influences: Indices = ()  # for each i, all j for which a_i depends on q_j or v_j
     blocks: Indices = ()  # a partition of coordinates; blocks do not influence each other
+
+    @property
+    def smooth_in_pieces(self) -> bool:
+        return self.smooth or self.switched

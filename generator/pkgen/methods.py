@@ -14,7 +14,7 @@ from .record import record
 
 @record
 class Method:
-    """A row of the registry; `requires` names facts that a system must have (fields of Facts)."""
+    """A row of the registry; `requires` has facts that a system must have, fields of Structure."""
 
     family: str
     traits: frozenset[str]

@@ -10,16 +10,15 @@ from collections.abc import Callable
 from dataclasses import fields
 
 from .defaults import GAUSS_RTOL, RTOL, UNTIL
-from .equations import Equations, Facts
+from .equations import AnyEquations, Structure
 from .methods import provides
-from .middle.loops.loops import LoopEquations
 from .middle.reduce.reduction import Needs
 from .middle.report import ReportLine
 from .model import Model
 from .record import record
 
 EXPONENTIAL_MOST = 64  # most coordinates for `exponential`, whose step multiplies by a full matrix
-Made = tuple[Equations | LoopEquations, Facts]
+Made = tuple[AnyEquations, Structure]
 OPTION, SCENE, DEFAULT = "option", "scene", "default"  # origins of a method
 
 
@@ -102,9 +101,7 @@ def default_method(made: Made, rtol: float, exact: bool) -> str:
     if equations.model.noises:
         return "baoab" if provides(structure, "linear_drag") else "heun"
     by_gauss = structure.smooth_in_pieces and rtol <= GAUSS_RTOL
-    if isinstance(equations, LoopEquations):
-        return "gauss" if equations.has_pairs and by_gauss else "dop853"
     few = len(equations.coordinates) + len(equations.states) <= EXPONENTIAL_MOST
-    if exact and structure.affine and few:
+    if exact and structure.affine and few and equations.dense:
         return "exponential"
-    return "gauss" if by_gauss else "dop853"
+    return "gauss" if by_gauss and not equations.is_chain else "dop853"

@@ -295,7 +295,7 @@ def judged(seed: int, folder: Path) -> tuple[str, str]:
         made = compile_model(Source(str(model), text))
     except ModelError as error:
         return "refused", error.diagnostics[0].message
-    if not made.looped:
+    if made.equations.dense:
         return "written out", str(made.equations.unrolled)
     bends = any(word in text for word in ("max(", "min(", "abs(", "clamp("))  # no steps end there
     for words, error in ways(dice, text, folder):

@@ -6,23 +6,23 @@ from pathlib import Path
 from c_harness import STRICT, Loaded, run
 
 from pkgen.back.c import lower
-from pkgen.back.c.loops_lower import lower_loops
-from pkgen.back.c.render import render_loops
+from pkgen.back.c.families.lower import lower_families
+from pkgen.back.c.render import render_families
 from pkgen.front.check import check
 from pkgen.middle.analyze import analyze
 from pkgen.middle.derive import derive
 from pkgen.middle.derive.states import as_rates
-from pkgen.middle.loops.derive import derive_loops
-from pkgen.middle.loops.loops import LoopEquations
+from pkgen.middle.families.derive import derive_families
+from pkgen.middle.families.equations import FamilyEquations
 from pkgen.source import Source
 
 
-def looped(text: str) -> LoopEquations:
+def looped(text: str) -> FamilyEquations:
     model, _ = check.check_text(Source("model.lag", text))
-    return derive_loops(model)
+    return derive_families(model)
 
 
-class Unrolled(Loaded):
+class NotKept(Loaded):
     """The model at one size, unrolled."""
 
     def __init__(self, text: str, size: int, directory: Path) -> None:
@@ -40,7 +40,7 @@ class Looped:
         self.equations = looped(text)
         self.name = self.equations.model.name
         directory.mkdir(exist_ok=True)
-        files = render_loops(lower_loops(self.equations))
+        files = render_families(lower_families(self.equations))
         for name, content in files.items():
             (directory / name).write_text(content, encoding="utf-8")
         library = directory / f"{self.name}-loops.so"

@@ -273,12 +273,12 @@ def test_the_same_doubles_are_given_to_more_digits(size: int) -> None:
     """Of loops each member of a family, of members written out each as a parameter."""
     compilation = compile_model(Source("chain.lag", MEMBERS), sizes={"N": size}, unroll=16)
     program = build_library(compilation.files, "chain")
-    moved = (1, 1, 7.0) if compilation.looped else None
+    moved = (1, 1, 7.0) if not compilation.equations.dense else None
     settings = replace(SETTINGS, parameters=((0, 3.0),), members=(moved,) if moved else ())
     first = Program(program, settings)
     given = first.given()
     assert Program(program, given).start == first.start
-    assert compilation.looped == (size == 20) == bool(given.members)
+    assert (not compilation.equations.dense) == (size == 20) == bool(given.members)
     values = [*given.parameters, *(x[::2] for x in given.members)]
     assert (0, 3.0) in values and len(values) == size + 2
     assert 9.0 in [x for _, x in values] and (not moved or moved in given.members)

@@ -129,7 +129,7 @@ def test_what_is_refused_or_never_arrives_says_why() -> None:
 
 
 @dataclass(frozen=True)
-class Facts:
+class Structure:
     smooth: bool = True
     separable: bool = True
     variational: bool = True
@@ -150,11 +150,11 @@ KNOWN = [
 
 
 @dataclass(frozen=True)
-class Separable(Facts):
+class Separable(Structure):
     mass_constant: bool = True
 
 
-def names(facts: Facts) -> list[str]:
+def names(facts: Structure) -> list[str]:
     return list(dict.fromkeys(c.name for c in candidates(facts, KNOWN)))
 
 
@@ -173,10 +173,10 @@ def test_every_method_of_the_table_exists_and_none_stands_twice() -> None:
 
 
 def test_a_linear_motion_is_exact_by_its_exponential_unless_there_are_events() -> None:
-    linear = Facts(affine=True, variational=False)
+    linear = Structure(affine=True, variational=False)
     assert reference.methods(linear, events=False) == ("exponential", "gauss", "radau", "dop853")
     assert reference.methods(linear, events=True) == ("gauss", "radau", "dop853")
-    assert reference.methods(Facts(smooth=False, affine=True), False) == ("dop853", "dopri5")
+    assert reference.methods(Structure(smooth=False, affine=True), False) == ("dop853", "dopri5")
 
 
 def test_a_part_of_a_scene_is_of_whole_intervals() -> None:

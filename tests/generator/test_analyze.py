@@ -1,4 +1,4 @@
-"""Facts about a system: each true where it can be proved, each false where it does not hold."""
+"""Structure about a system: each true where it can be proved, each false where it does not hold."""
 
 from dataclasses import replace
 from itertools import islice

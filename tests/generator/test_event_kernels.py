@@ -92,7 +92,7 @@ def test_a_chain_with_an_event_stays_a_loop():
     text = (ROOT / "models/chains/fput.lag").read_text()
     plain = compile_model(Source("fput.lag", text))
     with_event = compile_model(Source("fput.lag", text + "event mid: q[3] rising stop\n"))
-    assert plain.looped and with_event.looped
+    assert not plain.equations.dense and not with_event.equations.dense
     assert "fput_event(" in with_event.files["fput.c"]
     assert "fput_event" not in plain.files["fput.c"]
     assert '{{"mid", "", ""}, 1, 1}' in with_event.files["fput.c"]

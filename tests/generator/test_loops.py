@@ -7,11 +7,11 @@ import random
 import pytest
 from c_harness import MASS, PARAMETER, SIZE
 from c_harness import failed as failure
-from loop_harness import Looped, Unrolled, looped
+from loop_harness import Looped, NotKept, looped
 from loop_models import MODELS, UNROLLED
 
 from conftest import case
-from pkgen.middle.loops.indexed_ir import Unrolled as CannotLoop
+from pkgen.middle.families.indexed_ir import NotKept as CannotLoop
 
 TOLERANCE = 2e-14
 VECTORS = {"acceleration": 1, "force": 1, "momenta": 1, "gradient": 1, "canonical": 2}
@@ -37,7 +37,7 @@ def test_loops_equal_the_unrolled_code(name, sizes, tmp_path):
     text = MODELS[name][0]
     loops = Looped(text, tmp_path / "loops")
     for size in sizes:
-        unrolled = Unrolled(text, size, tmp_path / f"n{size}")
+        unrolled = NotKept(text, size, tmp_path / f"n{size}")
         at = loops.at(size)
         assert at.n == len(unrolled.program.equations.coordinates)
         generator = random.Random(2385 + size)

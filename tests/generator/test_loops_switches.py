@@ -69,7 +69,7 @@ def test_which(more: str, expected: list) -> None:
 )
 def test_refused(more: str, why: str) -> None:
     compiled = compile_model(Source("m.lag", HEAD + more))
-    assert not compiled.looped and why in str(compiled.equations.unrolled)
+    assert compiled.equations.dense and why in str(compiled.equations.unrolled)
 
 
 FRICTION = HEAD.replace("N = 20", "N = 5") + (

@@ -5,12 +5,12 @@ import math
 import random
 
 import pytest
-from loop_harness import Looped, Unrolled, looped
+from loop_harness import Looped, NotKept, looped
 from test_loops import assert_kernels, assert_start
 from total_models import RATES, TOTALS
 
-from pkgen.back.c.loops_lower import lower_loops
-from pkgen.middle.loops.indexed_ir import Unrolled as CannotLoop
+from pkgen.back.c.families.lower import lower_families
+from pkgen.middle.families.indexed_ir import NotKept as CannotLoop
 from pkgen.source import ModelError
 
 CASES = TOTALS | RATES
@@ -21,7 +21,7 @@ def test_totals_equal_the_unrolled_code(name, tmp_path):
     text, sizes = CASES[name]
     loops = Looped(text, tmp_path / "loops")
     for size in sizes:
-        written, at, dice = Unrolled(text, size, tmp_path / f"n{size}"), loops.at(size), None
+        written, at, dice = NotKept(text, size, tmp_path / f"n{size}"), loops.at(size), None
         dice = random.Random(size)
         assert at.n == len(written.program.equations.coordinates)
         at.restless = True
@@ -112,7 +112,7 @@ def test_no_fused_steps_where_members_feel_a_total():
     for potential, fused in (("sum(q[i]^2, i = 1..N)", True), ("sum(q[i], i = 1..N)^2", False)):
         e = looped(FLAT.replace(", X", "").replace(" + X'^2", "") + f"potential {potential}\n")
         assert e.facts.separable
-        assert lower_loops(e).context["stepper"] == fused
+        assert lower_families(e).context["stepper"] == fused
 
 
 def test_sums_that_are_the_same_for_all_members_count_once():

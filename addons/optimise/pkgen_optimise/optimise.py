@@ -77,7 +77,7 @@ def optimised(
     if integral:
         model = model.extended(f"observe {INTEGRAL} = integral({integral})\n", {})
     of = model.compilation
-    if of.looped:
+    if not of.equations.dense:
         raise UsageError("optimise: there is none for families kept as loops")
     problem = Problem(
         column=minimise or maximise,

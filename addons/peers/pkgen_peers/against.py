@@ -130,7 +130,7 @@ def attach_peers(
     packages that cannot integrate this model."""
     refused: dict[str, str] = {}
     e = compilation.equations
-    jolts = [] if compilation.looped else [x.quantity.name for x in e.impulsive]
+    jolts = [x.name for x in e.impulsive]
     for peer in (p for p in peers if p.open):
         try:
             if jolts:

@@ -161,7 +161,7 @@ class _Keeper:
 
     def drift(self, name: str) -> None:
         """Keeps the largest drift of the energy or of an output, over all steps."""
-        if name == "energy" and not named.has_energy(self.compilation):
+        if name == "energy" and not self.compilation.equations.has_energy:
             raise self.wrong("the model has no energy")
         outputs = [quantity.name for quantity in named.observed(self.compilation)]
         if name != "energy" and name not in outputs:

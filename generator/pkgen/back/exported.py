@@ -19,7 +19,7 @@ class Exported:
     """A model to export. `description` is what `pkgen describe` tells (docs/dev/describe.md).
     `files` are the generated C files. `separable`: the mass matrix is constant and forces do not
     depend on rates. `own` are integration methods that the model's author defines. `options` are
-    the options of the command line. `program` is the Program or LoopProgram that the files are
+    the options of the command line. `program` is the Program or FamilyProgram that the files are
     rendered from."""
 
     name: str

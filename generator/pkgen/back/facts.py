@@ -2,47 +2,43 @@
 
 from __future__ import annotations
 
-from ..equations import Equations, Facts, Indices, Invariant, Structure, Symmetries
-from ..graph.graph import BIT, ZERO, Kind
-from ..middle.loops.loops import LoopEquations
+from ..equations import AnyEquations, Equations, Indices, Invariant, Structure, Symmetries
+from ..graph.graph import BIT, Kind
 
 SHOWN = 8  # The largest number of terms of an invariant, and of blocks of coordinates, to print.
 
 
-def facts(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[str, str]]:
+def facts(equations: AnyEquations, structure: Structure) -> list[tuple[str, str]]:
     """Returns rows (property, finding); properties without a finding are left out."""
-    looped = isinstance(equations, LoopEquations)
-    own = len(equations.model.coordinates) if looped else equations.inertial
-    mass, forces = (_mass_of_loops, _forces_of_loops) if looped else (_mass, _forces)
+    own = equations.inertial
     rows = [
-        ("mass matrix", mass(equations, structure) if own else ""),
-        ("definite", _definite(structure) if own and not looped else ""),
+        ("mass matrix", _mass(equations, structure) if own else ""),
+        ("definite", _definite(structure) if own else ""),
         ("separable", _separable(structure)),
         ("linear", _yes(structure.affine, "constant coefficients", "")),
         ("explicit time", "no" if structure.autonomous else "yes (or an input)"),
-        ("forces beyond L", forces(equations) if own else ""),
+        ("forces beyond L", _forces(equations) if own else ""),
         ("smooth", _smooth(equations, structure)),
-        ("impulses", "" if looped else _impulses(equations)),
-        ("blocks", "" if looped else _blocks(equations, structure.blocks)),
+        ("impulses", _impulses(equations)),
+        ("blocks", _blocks(equations, structure.blocks)),
     ]
     return [row for row in rows if row[1]]
 
 
-def invariants(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[str, str]]:
+def invariants(equations: AnyEquations, structure: Structure) -> list[tuple[str, str]]:
     """Returns rows (constant of the motion, why it is constant). Constants that the model's author
     claims come last."""
     claims = [(x.name, f"claimed, {x.outcome}: {x.says}") for x in structure.claims]
     return [*found(equations, structure), *claims]
 
 
-def found(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[str, str]]:
+def found(equations: AnyEquations, structure: Structure) -> list[tuple[str, str]]:
     """Returns the rows of invariants() that pkgen has found, without the model author's claims."""
     if structure.symmetries is not None and structure.symmetries.searched:
         return found_by_symmetry(structure.symmetries)
     rows = [("energy", "time shift")] if structure.conservative else []
-    if isinstance(structure, Structure):
-        momenta = zip(equations.momenta_names, structure.cyclic, strict=True)  # states have none
-        rows += [(q.name, "cyclic coordinate") for q, cyclic in momenta if cyclic]
+    momenta = zip(equations.momenta_names, structure.cyclic, strict=True)  # states have none
+    rows += [(q.name, "cyclic coordinate") for q, cyclic in momenta if cyclic]
     return rows
 
 
@@ -50,34 +46,13 @@ def found_by_symmetry(symmetries: Symmetries) -> list[tuple[str, str]]:
     return [(shortened(x.name), _why(x)) for x in symmetries.invariants]
 
 
-def _separable(structure: Facts) -> str:
+def _separable(structure: Structure) -> str:
     if structure.linear_drag:
         return "but for forces C v with constant C: verlet and its like apply"
     if structure.affine_rates:
         return "no: forces are affine in the rates, for which there is boris"
     applies = "verlet and its like apply" + ", and respa" * structure.fast
     return _yes(structure.separable, applies, "verlet does not apply")
-
-
-def _mass_of_loops(e: LoopEquations, proved: Facts) -> str:
-    shape = "diagonal" if proved.mass_diagonal else "banded"
-    if e.carried:
-        ways = ("eliminated from its last member to the first", "banded with what it carries")
-        shape = f"of a chain, {ways[e.extended]}"
-    elif not (proved.mass_diagonal or e.scalars or len(e.families) > 1):
-        beside = max(abs((column[1] - row[1]).constant) for row, column in (x.to for x in e.mass))
-        shape += f", {beside} beside the diagonal"
-    if proved.mass_constant and not e.carried:
-        once = "a division a row" if proved.mass_diagonal else "factored once"
-        once = "with rows of constraints factored at each acceleration" if e.bound else once
-        shape += f", constant: {once}"
-    return shape
-
-
-def _forces_of_loops(e: LoopEquations) -> str:
-    beyond = "force, dissipation or states" if e.states else "force or dissipation"
-    beyond = f"of constraints, perhaps {beyond}" if e.bound else beyond
-    return "none" if e.facts.variational else f"yes ({beyond})"
 
 
 def _why(x: Invariant) -> str:
@@ -93,17 +68,15 @@ def shortened(text: str) -> str:
     return f"{terms[0]} + ... + {terms[-1]} ({len(terms)} terms)".replace("+ -", "- ")
 
 
-def _smooth(equations: Equations | LoopEquations, structure: Facts) -> str:
+def _smooth(equations: AnyEquations, structure: Structure) -> str:
     if structure.smooth or not equations.switches:
         return _yes(structure.smooth, "", "abs, min, max or step: take small steps at kinks")
-    looped = isinstance(equations, LoopEquations)
-    names = [x.name if looped else x.quantity.name for x in equations.switches]
+    names = [x.name for x in equations.switches]
     shown = names if len(names) <= SHOWN else [*names[:2], "...", names[-1], f"({len(names)})"]
     said = f"between zeros of {', '.join(shown)}, which a run locates"
     if structure.switched:
         return said
-    why = "kinks, at which small steps are to be taken" if looped else "roots of what bends"
-    return f"no: {why}; {said}"
+    return f"no: kinks elsewhere, or roots of what bends: take small steps there; {said}"
 
 
 def _impulses(equations: Equations) -> str:
@@ -112,6 +85,8 @@ def _impulses(equations: Equations) -> str:
 
 
 def _mass(equations: Equations, structure: Structure) -> str:
+    if equations.mass_in_words:
+        return equations.mass_in_words
     shape = "diagonal" if structure.mass_diagonal else "dense"
     n = equations.inertial
     blocks = tuple(block for block in structure.mass_blocks if block[0] < n)
@@ -138,16 +113,13 @@ def _varying(equations: Equations, structure: Structure) -> str:
 
 
 def _forces(equations: Equations) -> str:
-    bound = equations.constraints
-    applied = equations.applied[: equations.inertial]
-    if bound is not None:
-        applied = bound.free_applied
-    found = ["of constraints"] if bound is not None else []
-    found += ["force or dissipation"] if any(node != ZERO for node in applied) else []
+    found = equations.forces_beyond
     return f"yes ({' and '.join(found)})" if found else "none"
 
 
 def _definite(structure: Structure) -> str:
+    if structure.definite is None:
+        return ""
     if structure.definite:
         return "yes, everywhere"
     if structure.singular:

@@ -137,7 +137,7 @@ def recorded(
     rows = names[1 + (made.ensemble is not None) :]
     if view.kind == "drift" and not view.names and options.scene is None:
         of = made.compilation
-        constants = [] if of.looped else [n for n, _ in found(of.equations, of.structure)]
+        constants = [name for name, _ in found(of.equations, of.structure)]
         more = [n for n in constants if not _has(names, n)]
         with suppress(UsageError):  # Not every constant can be a column.
             return _with(options, [*rows, *more], prepared) if more else made

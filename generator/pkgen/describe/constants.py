@@ -7,10 +7,8 @@ import random
 from collections.abc import Iterator
 
 from ..compiler import Compilation
-from ..equations import Structure
 from ..graph.differentiate import symbols_in
 from ..graph.evaluate import evaluate
-from ..run import named
 
 POINTS = 5  # Number of random states at which the energy is compared with T + V.
 CLOSE = 1e-9  # Relative tolerance of the comparison.
@@ -22,7 +20,7 @@ def constants(compilation: Compilation) -> Iterator[dict[str, object]]:
     hoop that a motor turns."""
     structure, model = compilation.structure, compilation.model
     energy = "" if model.dimensionless else "J"
-    if structure.conservative and named.has_energy(compilation):
+    if structure.conservative and compilation.equations.has_energy:
         yield {
             "name": "energy",
             "kind": "energy",
@@ -32,18 +30,17 @@ def constants(compilation: Compilation) -> Iterator[dict[str, object]]:
         }
     for k, item in enumerate(model.conserved):
         yield {"name": item.name, "kind": "claim", "index": k, "unit": item.unit}
-    # If families are compiled to loops, it is unknown which momenta are constant.
-    if isinstance(structure, Structure):
-        for k, q in enumerate(compilation.equations.momenta_names):
-            if structure.cyclic[k]:
-                yield {"name": q.name, "kind": "momentum", "index": k, "unit": q.unit}
+    names = compilation.equations.momenta_names
+    for k, (q, cyclic) in enumerate(zip(names, structure.cyclic, strict=True)):
+        if cyclic:
+            yield {"name": q.name, "kind": "momentum", "index": k, "unit": q.unit}
 
 
 def _is_sum(compilation: Compilation) -> bool:
     """Whether the energy h = q' dL/dq' - L equals T + V at random states. Returns True untested if
     families are compiled to loops, or if the model states L without T and V."""
     e = compilation.equations
-    if compilation.looped or e.kinetic is None or e.potential is None:
+    if not e.dense or e.kinetic is None or e.potential is None:
         return True
     chance = random.Random(1)
     nodes = [e.energy, e.kinetic, e.potential]

@@ -12,7 +12,6 @@ from ..equations import Quantity
 from ..front.check.scene_numbers import Values, WrongValue
 from ..indices import hidden, made_of, parted
 from ..methods import Method, known, provides
-from ..middle.loops.switches import switch_count
 from ..middle.quantities import block_of, single_rotations
 from ..model import Model, Parameter, Scene
 from ..plan import default_method
@@ -56,7 +55,7 @@ def described(
         "sha256": model.sha256,
         "dimensionless": model.dimensionless,
         "scene": None if scene is None else scene.name,
-        "looped": compilation.looped,
+        "looped": any(x.lo is not None for x in of.of_rates.declared),
         "run": {
             name: getattr(settings, name) for name in ("until", "every", "method", "step", "rtol")
         },
@@ -135,12 +134,11 @@ class _Description:
         self.set_q, self.set_v = dict(settings.start_q), dict(settings.start_v)
 
     def parameters(self) -> Entries:
-        looped = self.compilation.looped
         chosen = {*dict(self.settings.parameters), *((k, j) for k, j, _ in self.settings.members)}
         declared = {p.name: p for p in self.declared.parameters}
         values = Values(self.declared, {})
         for flat, k, position, item, quantity in _flat(named.parameters(self.compilation)):
-            place = flat if not looped else k if item.lo is None else (k, position)
+            place = k if item.lo is None else (k, position)
             name, index = parted(quantity.name)
             own = declared.get(name)
             found: dict[str, object] = {
@@ -149,9 +147,7 @@ class _Description:
                 **_bounds(values, own, index),
                 "follows": own is not None and own.follows and place not in chosen,
             }
-            if looped:
-                found["place"] = [k, position]
-            yield found
+            yield found | ({} if self.compilation.equations.dense else {"place": [k, position]})
 
     def samples(self) -> Entries:
         slots = enumerate(self.compilation.program.equations.parameters)
@@ -176,8 +172,7 @@ class _Description:
 
     def switches(self) -> int:
         """Returns the number of arguments of step, abs etc. at whose zeros the equations change."""
-        e = self.compilation.equations
-        return switch_count(e) if self.compilation.looped else len(e.switches)
+        return self.compilation.equations.n_switches
 
     def coordinates(self) -> Entries:
         units = {q.name: q.unit for *_, q in _flat(self.of_rates)}
@@ -322,10 +317,9 @@ def _why_not(compilation: Compilation, method: Method | None, item: dict) -> str
     at_times = [x.name for x in (*model.contacts, *model.frictions, *model.modes)]
     if "holonomic" in item["flags"] and at_times:
         return f"it takes no constraints that hold at times, such as {at_times[0]}"
-    linear = not compilation.looped and compilation.equations.linear is not None
-    if "linear" in item["flags"] and not linear:
+    if "linear" in item["flags"] and compilation.equations.linear is None:
         return "it needs the derivatives of the acceleration, which so many coordinates are without"
-    if compilation.looped:
+    if not compilation.equations.dense:
         for flag, kernels in _NOT_OF_LOOPS.items():
             if flag in item["flags"]:
                 return f"it needs {kernels}, which families that are kept as loops do not have"

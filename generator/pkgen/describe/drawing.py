@@ -78,11 +78,10 @@ def _entries(compilation: Compilation) -> dict[str, Entry]:
     found: dict[str, Entry] = {}
     for k, quantity in enumerate(named.observed(compilation)):
         found[quantity.name] = {"output": k}
-        if not compilation.looped:
-            e = compilation.equations
-            node = e.observed[k]
-            if e.graph.op[node] is Op.NUMBER:
-                found[quantity.name] = float(e.graph.data[node])
+    e = compilation.equations
+    for name, node in e.single_outputs.items():
+        if e.graph.op[node] is Op.NUMBER:
+            found[name] = float(e.graph.data[node])
     return found
 
 

@@ -1,12 +1,11 @@
-"""The contents of `explain`: by loops.py if families q[1..N] are loops, else by flat.py."""
+"""The contents of `explain`: by flat.py, or by families.py for families of any length."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
-from ..equations import Equations, ParameterSlot, Quantity
+from ..equations import AnyEquations, ParameterSlot, Quantity
 from ..graph.graph import Node
-from ..middle.loops.loops import LoopEquations
 from ..record import record
 
 # An output: its name, its unit, its graph node, and the range of its index as text.
@@ -16,7 +15,7 @@ Section = tuple[str, Iterable[str]]  # A section of the report: title, lines.
 
 @record(kw_only=True)
 class Contents:
-    e: Equations | LoopEquations
+    e: AnyEquations
     text: Callable[[Node], str]
     # Text with the numbers of degrees of freedom, rotations and first-order variables.
     freedom: str
@@ -25,7 +24,7 @@ class Contents:
     parameters: Sequence[ParameterSlot]
     equations: list[Section]
     outputs: list[Shown]  # Outputs, and quantities claimed to be constant.
-    # Pairs of a heading and a text: how families are compiled (to loops, or unrolled).
+    # Pairs of a heading and a text: how families are compiled: written out, or not.
     families: list[tuple[str, str]]
     costs: Section
     # entries of the `--json` output that differ between loops.py and flat.py

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from itertools import islice
 
-from ..back.c.program import LoopProgram, Program
+from ..back.c.program import FamilyProgram, Program
 from ..compiler import STAGES, stages
 from ..equations import Equations
 from ..graph.graph import Graph
@@ -52,7 +52,7 @@ def as_text(value: object, source: Source, indent: int = 0) -> str:
             return value.path
         case Equations():
             return equations_text(value)
-        case LoopProgram(context=context):
+        case FamilyProgram(context=context):
             return as_text(context, source, indent)
         case Diagnostic():
             return value.text(source)

@@ -9,10 +9,10 @@ from collections.abc import Iterator, Sequence
 from ..back.facts import facts, found, invariants, shortened
 from ..compiler import Compilation
 from ..describe.drawing import shown
-from ..equations import Facts, ParameterSlot, Quantity, Symmetries
+from ..equations import ParameterSlot, Quantity, Structure, Symmetries
 from ..graph.graph import Node, Op
 from ..model import Event, Model
-from . import flat, loops
+from . import families, flat
 from .contents import Contents, section
 
 NOTHING = "no symmetries, for the model is too large"
@@ -21,7 +21,7 @@ WIDE = 40
 
 
 def contents(compilation: Compilation) -> Contents:
-    return (loops if compilation.looped else flat).contents(compilation)
+    return (flat if compilation.equations.dense else families).contents(compilation)
 
 
 def explain(compilation: Compilation, costs: bool = False) -> str:
@@ -77,7 +77,7 @@ def record(compilation: Compilation) -> dict[str, object]:
     }
 
 
-def proofs_record(structure: Facts) -> dict[str, object]:
+def proofs_record(structure: Structure) -> dict[str, object]:
     """Returns the constants of the motion with their proofs, and those claimed by the author."""
     symmetries = structure.symmetries
     return {

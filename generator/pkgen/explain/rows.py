@@ -18,11 +18,11 @@ from ..graph.differentiate import reachable
 from ..graph.graph import ZERO, Kind, Node, Op, Symbol
 from ..indices import indexed
 from ..middle.analyze.sympy_bridge import plain, to_sympy, written_size
-from ..middle.loops.constant_sums import within
-from ..middle.loops.indexed_ir import Addend, Group, Over, Slot, Sum
-from ..middle.loops.indices import COUNTERS, unlike_loops
-from ..middle.loops.loops import LoopEquations
-from ..middle.loops.slots import Slots
+from ..middle.families.constant_sums import within
+from ..middle.families.equations import FamilyEquations
+from ..middle.families.indexed_ir import Addend, Group, Over, Slot, Sum
+from ..middle.families.indices import COUNTERS, unlike_loops
+from ..middle.families.slots import Slots
 from ..record import record
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ PLAIN = Style(
 class Writer:
     """Writes expressions of a model, and equations with an index."""
 
-    def __init__(self, e: LoopEquations, style: Style = PLAIN):
+    def __init__(self, e: FamilyEquations, style: Style = PLAIN):
         self.e = e
         self.style = style
         self._slots_of = Slots(e.graph, e.slots)

@@ -27,15 +27,13 @@ class SceneShown:
 
 def scene_shown(whole: Compilation, sizes: Mapping[str, int], scene: Scene) -> SceneShown:
     """Compiles a scene; returns its summary, or the reasons why it cannot be compiled."""
-    before = {} if whole.looped else _operations(whole.program.kernels)
+    before = _operations(whole.program.kernels)
     name, description, source = scene.name, scene.description, whole.declared.source
     wrong = scene_check.wrong(whole.declared, sizes, scene)
     if wrong:
         said = tuple(finding.text(source) for finding in wrong)
         return SceneShown(name, description, said, before, {})
     made = compile_model(source, sizes=sizes, c=False, use=scene_use.of_scene(name))
-    if made.looped:
-        return SceneShown(name, description, tuple(map(str, made.report.lines)), before, {})
     kernels = [*made.program.kernels, *(k for part in made.parts for k in part.program.kernels)]
     report, lines = made.report, [str(line) for line in made.report.lines]
     n, left = report.coordinates

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import replace
 
-from ..equations import Quantity
+from ..equations import Declared, Quantity
 from ..graph.graph import VARIABLE, Graph, Kind, Node, Symbol
 from ..indices import indexed, integer, made_of
 from ..model import Coordinate, Input, Model, Parameter, Rotation, State
@@ -36,6 +36,9 @@ class Family:
     @property
     def count(self) -> int:
         return 1 if self.lo is None else self.hi - self.lo + 1
+
+    def declared(self, quantity: Quantity) -> Declared:
+        return Declared(quantity, self.first, self.lo, self.hi)
 
     def flat(self, index: int | None) -> int:
         return self.first if self.lo is None else self.first + self.step * (index - self.lo)
@@ -149,6 +152,24 @@ def quantities(
         for i in found[c.name].members
     }
     return tuple(made[k] for k in sorted(made))
+
+
+def moving(model: Model, rates: bool, states: bool = False) -> list[Declared]:
+    """Returns the declared coordinates, with `states` also the states. With `rates`, returns the
+    rates and the states instead."""
+    declarations = (*model.coordinates, *model.states)
+    found = families(model, declarations)
+    made = []
+    for c in declarations:
+        is_state = isinstance(c, State)
+        own = "" if is_state else c.rate
+        if (is_state and not (rates or states)) or (own and not rates):
+            continue
+        name, unit = (own or c.name + "'", c.rate_unit) if rates else (c.name, c.unit)
+        if is_state:
+            name, unit = c.name, c.unit
+        made.append(found[c.name].declared(Quantity(name, unit, c.description)))
+    return made
 
 
 def input_quantities(model: Model, orders: tuple[int, ...]) -> tuple[Quantity, ...]:

@@ -94,7 +94,7 @@ class Settable(Mapping[str, Column]):
                 if kind == "q":
                     named.refuse_place(self._of, name)
                 member = 0
-                if kind == "param" and self._of.looped:
+                if kind == "param":
                     flat, member = known.place(flat)
                 return Column(name, kind, flat, quantity.unit, member)
         raise KeyError(name)

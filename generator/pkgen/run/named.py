@@ -3,49 +3,19 @@
 from __future__ import annotations
 
 import math
-import sys
 from bisect import bisect
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 
 from ..compiler import Compilation
-from ..equations import Quantity
+from ..equations import Declared, Quantity
 from ..graph.graph import BIT, Kind
-from ..indices import hidden, indexed, parted
-from ..middle.loops.indices import size_values
-from ..middle.quantities import families, single_rotations
-from ..model import Model, State
-from ..record import record
+from ..indices import hidden, parted
+from ..middle.quantities import moving, single_rotations
 from ..system.exits import UsageError
 from .settings import Shown
 
 LISTED = 10_000  # largest family whose members are described singly
 SUGGESTED = 12  # most members of a family that a hint in a message considers
-
-
-@record
-class Declared:
-    """A declaration of a quantity, or of a family of quantities with the indices lo..hi. A flat
-    index counts single quantities over all declarations; `first` is that of the first one here."""
-
-    quantity: Quantity
-    first: int
-    lo: int | None
-    hi: int | None
-
-    def member(self, index: int | None) -> Quantity:
-        name, primes = self.quantity.name.rstrip("'"), self.quantity.name.count("'")
-        shown = indexed(name, index) + "'" * primes
-        return Quantity(shown, self.quantity.unit, self.quantity.description)
-
-    def members(self, most: int = sys.maxsize) -> list[Quantity]:
-        """Returns the first `most` members of the family, or the single quantity."""
-        if self.lo is None:
-            return [self.quantity]
-        return [self.member(index) for index in range(self.lo, self.lo + min(self.count, most))]
-
-    @property
-    def count(self) -> int:
-        return 1 if self.lo is None else self.hi - self.lo + 1
 
 
 class Named:
@@ -108,33 +78,24 @@ class Named:
 def coordinates(compilation: Compilation, rates: bool = False) -> Named:
     """Returns the coordinates of the equations, which a scene may have reduced. With `rates`,
     returns their rates followed by the states: this is the order of v in C and in every row."""
-    if compilation.looped:
-        return _moving(compilation.model, rates)
-    e = compilation.equations
-    return Named(_each((*e.rates, *e.states) if rates else e.seen))
+    return Named(compilation.equations.listed("v" if rates else "q"))
 
 
 def declared(compilation: Compilation) -> Named:
     """Returns the coordinates and states that the model declares."""
-    return _moving(compilation.declared, False, states=True)
+    return Named(moving(compilation.declared, False, states=True))
 
 
 def states(compilation: Compilation) -> frozenset[str]:
     """Returns the names of the states that remain after a scene's reductions."""
-    if compilation.looped:
-        return frozenset(state.name for state in compilation.model.states)
-    return frozenset(q.name for q in compilation.equations.states)
+    return frozenset(state.name for state in compilation.equations.states)
 
 
 def refuse_place(compilation: Compilation, left: str) -> None:
     """Raises UsageError if rates at the start follow from momenta and positions, since a start of a
     position alone would leave the rates as they are."""
-    e = None if compilation.looped else compilation.equations
-    if (
-        e
-        and e.model.hamiltonian
-        and any(e.graph.depends[p] & BIT[Kind.COORDINATE] for p in e.momenta)
-    ):
+    e = compilation.equations
+    if e.model.hamiltonian and any(e.graph.depends[p] & BIT[Kind.COORDINATE] for p in e.momenta):
         why = "at the start rates follow from momenta and positions"
         raise UsageError(f"{left}: {why}: set it by 'start {left} = …' in a scene of its own")
 
@@ -155,39 +116,10 @@ def places(compilation: Compilation) -> dict[str, tuple[int, tuple[int, ...]]]:
     return found
 
 
-def has_energy(compilation: Compilation) -> bool:
-    """Whether the model has an energy. A model with states only has none, unless they come from an
-    L of first degree in the rates."""
-    of = compilation.model if compilation.looped else compilation.equations
-    return bool(of.coordinates or compilation.model.lagrangian)
-
-
-def _moving(model: Model, rates: bool, states: bool = False) -> Named:
-    """Returns the coordinates, with `states` also the states. With `rates`, returns the rates and
-    the states instead."""
-    moving = (*model.coordinates, *model.states)
-    found = families(model, moving)
-    made = []
-    for c in moving:
-        is_state = isinstance(c, State)
-        own = "" if is_state else c.rate
-        if (is_state and not (rates or states)) or (own and not rates):
-            continue
-        name, unit = (own or c.name + "'", c.rate_unit) if rates else (c.name, c.unit)
-        if is_state:
-            name, unit = c.name, c.unit
-        made.append(_declared(Quantity(name, unit, c.description), found[c.name]))
-    return Named(made)
-
-
 def parameters(compilation: Compilation) -> Named:
-    """Returns the parameters by name, each with its flat index. For a family that is kept as a
-    loop, place() converts the flat index to those of the declaration and of the member."""
-    if not compilation.looped:
-        return Named(_each(slot.quantity for slot in compilation.program.equations.parameters))
-    items = compilation.model.parameters
-    found = families(compilation.model, items)
-    return Named([_declared(Quantity(x.name, x.unit, x.description), found[x.name]) for x in items])
+    """Returns the parameters by name, each with its flat index. place() converts a flat index to
+    those of the declaration and of the member in a family that is not written out."""
+    return Named(compilation.program.equations.listed("param"))
 
 
 def bounds(compilation: Compilation, name: str) -> tuple[float, float]:
@@ -205,7 +137,7 @@ def events(compilation: Compilation) -> list[str]:
 
 
 def inputs(compilation: Compilation) -> Named:
-    return Named(_each(compilation.equations.inputs))
+    return Named(Declared.each(compilation.equations.inputs))
 
 
 def observed(compilation: Compilation) -> list[Quantity]:
@@ -214,27 +146,18 @@ def observed(compilation: Compilation) -> list[Quantity]:
 
 
 def outputs(compilation: Compilation) -> Named:
-    e = compilation.equations
-    if not compilation.looped:
-        return Named(_each(e.observed_names))
-    sizes, found, first = size_values(compilation.model), [], 0
-    for x in e.outputs:
-        quantity = Quantity(x.item.name, x.item.unit, x.item.description)
-        ends = (None, None) if x.lo is None else (x.lo.value(sizes), x.hi.value(sizes))
-        found.append(Declared(quantity, first, *ends))
-        first += found[-1].count
-    return Named(found)
+    return Named(compilation.equations.listed("observed"))
 
 
 def kinds(compilation: Compilation) -> dict[str, Named]:
     """Returns the columns of rows in order, keyed by the runtime's name of their kind."""
     unit = "" if compilation.model.dimensionless else "J"
-    energy = [Quantity("energy", unit, "q'.dL/dq' - L")] if has_energy(compilation) else []
+    energy = [Quantity("energy", unit, "q'.dL/dq' - L")] if compilation.equations.has_energy else []
     return {
         "q": coordinates(compilation),
         "v": coordinates(compilation, rates=True),
         "observed": outputs(compilation),
-        "energy": Named(_each(energy)),
+        "energy": Named(Declared.each(energy)),
     }
 
 
@@ -253,15 +176,6 @@ def by_key(parameters: Named, values: Mapping[int, float]) -> dict[tuple[str, in
         index = None if item.lo is None else item.lo + position
         found[parted(item.member(index).name)] = x
     return found
-
-
-def _each(quantities: Iterable[Quantity]) -> list[Declared]:
-    """Yields a separate declaration for each quantity, also for each member of a family."""
-    return [Declared(q, i, None, None) for i, q in enumerate(quantities)]
-
-
-def _declared(quantity: Quantity, family) -> Declared:
-    return Declared(quantity, family.first, family.lo, family.hi)
 
 
 def columns(

@@ -117,7 +117,7 @@ def outcome(
 ) -> Outcome:
     """Returns the outcome of a finished run, with quantities in messages as the user names them."""
     messages = "".join(f"run: {line}\n" for line in done.messages.splitlines())
-    if done.not_finite and not compilation.looped:
+    if done.not_finite and compilation.equations.dense:
         constant = not_finite.constant(compilation, dict(settings.parameters))
         messages = f"run: {constant}\n" if constant else messages
     strict = ", ".join(x.name for x in compilation.model.tables if x.outside == "error")

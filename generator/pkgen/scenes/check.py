@@ -9,11 +9,10 @@ from dataclasses import replace
 from itertools import islice
 
 from ..compiler import STAGES, Compilation, stages
-from ..equations import Equations, Facts
+from ..equations import AnyEquations, Structure
 from ..front.check.expects import calls
 from ..indices import unrolled
 from ..methods import Own, known, provides
-from ..middle.loops.loops import LoopEquations
 from ..middle.quantities import indexed, sizes
 from ..middle.report import Report
 from ..model import Model, Scene
@@ -89,7 +88,7 @@ def refuse_method(compilation: Compilation, scene: Scene) -> None:
         raise ModelError(compilation.declared.source, found)
 
 
-def _unfit(scene: Scene, structure: Facts, own: tuple[Own, ...]) -> Iterator[Diagnostic]:
+def _unfit(scene: Scene, structure: Structure, own: tuple[Own, ...]) -> Iterator[Diagnostic]:
     if not scene.method:
         return
     missing = [f for f in known(own)[scene.method].requires if not provides(structure, f)]
@@ -101,13 +100,9 @@ def _unfit(scene: Scene, structure: Facts, own: tuple[Own, ...]) -> Iterator[Dia
         )
 
 
-def _drifting(
-    scene: Scene, equations: Equations | LoopEquations, structure: Facts
-) -> Iterator[Diagnostic]:
-    constant = {"energy": structure.conservative}
-    if isinstance(equations, Equations):
-        names = (p.name for p in equations.momenta_names)
-        constant |= dict(zip(names, structure.cyclic, strict=True))
+def _drifting(scene: Scene, equations: AnyEquations, structure: Structure) -> Iterator[Diagnostic]:
+    names = (p.name for p in equations.momenta_names)
+    constant = {"energy": structure.conservative, **dict(zip(names, structure.cyclic, strict=True))}
     for item in scene.expects:
         for call in calls(item, "drift"):
             name = expects.column(call.arguments[0])

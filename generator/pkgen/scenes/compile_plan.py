@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ..compiler import Compilation
-from ..equations import Equations, Structure
+from ..equations import AnyEquations, Equations, Structure
 from ..graph.solve import looped
 from ..methods import METHODS, Method, in_lanes, known
 from ..middle.motion import LINEAR_OF_FEW
@@ -290,16 +290,15 @@ def _asked(
     )
 
 
-def _without_mass(e: object) -> bool:
+def _without_mass(e: AnyEquations) -> bool:
     """Whether the accelerations of a tree of bodies are computed without M, since M is large."""
-    return isinstance(e, Equations) and e.acceleration is not None and looped(e.graph, e.mass)
+    return e.acceleration is not None and looped(e.graph, e.mass)
 
 
 def _side_by_side(equations: Equations, structure: Structure, method: Method | None) -> bool:
-    """Whether ensemble members run in SIMD lanes. Models with constraints or loops do not."""
-    if not isinstance(equations, Equations) or equations.constraints:
-        return False
-    return in_lanes(method, structure)
+    """Whether ensemble members run in SIMD lanes. Models with constraints or with families of any
+    length do not."""
+    return equations.dense and not equations.constraints and in_lanes(method, structure)
 
 
 def whole(

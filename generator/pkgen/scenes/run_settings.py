@@ -188,8 +188,6 @@ def _places(
 ) -> tuple[tuple[tuple[int, float], ...], tuple[tuple[int, int, float], ...]]:
     """Converts flat indices of parameters to indices of the runtime: (index, value) of a single
     parameter, (index, member, value) of a member of a family that is kept as a loop."""
-    if not compilation.looped:
-        return values, ()
     single, members = [], []
     for flat, x in values:
         k, member = parameters.place(flat)

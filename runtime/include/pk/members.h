@@ -24,7 +24,6 @@ typedef void pk_values(const struct pk_members *x, ptrdiff_t row, ptrdiff_t from
                      PK_PERHAPS ptrdiff_t from, ptrdiff_t n, pk_real *const *o)
 
 PK_INLINE static ptrdiff_t pk_most(ptrdiff_t a, ptrdiff_t b) { return a > b ? a : b; }
-
 PK_INLINE static ptrdiff_t pk_least(ptrdiff_t a, ptrdiff_t b) { return a < b ? a : b; }
 
 /* Returns the members from .. from + n - 1 of a family with the indices lo .. hi, whose array

@@ -21,7 +21,7 @@ from pkgen.version import __version__
 from .. import page
 from .constants import constants
 from .equations import EquationSections, parameter_table, quantity_rows
-from .loops import loop_sections
+from .families import family_sections
 from .prose import Prose
 from .shown import Shown
 from .style import style
@@ -44,9 +44,9 @@ def fragment(compilation: Compilation, scenes: Sequence[SceneShown] = (), level:
     written = Written(model)
     prose = Prose(written, *_words(compilation))
     e, c = compilation.equations, contents(compilation)
-    shown = None if compilation.looped else Shown(e)
+    shown = Shown(e) if e.dense else None
     if shown is None:
-        equations = loop_sections(e, written)
+        equations = family_sections(e, written)
     else:
         equations = EquationSections(shown, written, prose).all()
     parts = [
@@ -76,7 +76,7 @@ def _words(compilation: Compilation) -> tuple[set[str], set[str]]:
     declared = (*model.parameters, *model.coordinates, *model.states, *model.inputs)
     names = {x.name for x in (*declared, *model.observed, *model.conserved, *model.rotations)}
     names |= {x.name for x in model.definitions}
-    if compilation.looped:
+    if not e.dense:
         return names, set()
     kinds = e.coordinates, e.rates, e.momenta_names, e.inputs, e.states, e.observed_names
     names |= {q.name for kind in kinds for q in kind}
@@ -128,7 +128,7 @@ def _reductions(compilation: Compilation, prose: Prose) -> Iterable[str]:
 
 
 def _operations(compilation: Compilation) -> list[str]:
-    if compilation.looped:
+    if not compilation.equations.dense:
         return [listed(map(escape, compilation.program.context["operations"]))]
     kernels = compilation.program.kernels
     rows = [(kernel.name, escape(operations_text(kernel.operations))) for kernel in kernels]

@@ -16,7 +16,7 @@ from itertools import takewhile
 import numpy
 
 from ...compiler import Compilation
-from ...equations import Facts
+from ...equations import Structure
 from ...record import record
 from ...run.settings import Settings
 from ...system.exits import BuildError, NumericsFailed, UsageError
@@ -79,7 +79,7 @@ def find(compilation: Compilation, settings: Settings) -> Reference:
     return _agree(Program(program, settings), scalar, best(compilation.structure))
 
 
-def best(structure: Facts) -> str:
+def best(structure: Structure) -> str:
     """Returns the method for the tightest runs. It is gauss, or dop853 if the equations have kinks,
     at which gauss is inaccurate."""
     return "gauss" if structure.smooth_in_pieces else "dop853"

@@ -211,7 +211,7 @@ def opened(
     their scene. `command` is its name in messages; it takes statements of the kinds `but`. Raises
     UsageError, ModelError, BuildError."""
     refuse_statements(compilation.declared, "pkgen stability", but, command)
-    if compilation.looped:
+    if not compilation.equations.dense:
         raise UsageError(f"{command} is of single coordinates, and the families are kept as loops")
     whole = settled(options, compilation)
     model = compilation.model

@@ -38,7 +38,7 @@ GRAZES = 1e-6  # a crossing at a rate below this, relative to the motion, grazes
 def refuse(prepared: Runnable) -> None:
     """Raises UsageError or ModelError if there are no derivatives of the run."""
     refuse_statements(prepared.compilation.declared, "sensitivity")
-    if prepared.compilation.looped:
+    if not prepared.compilation.equations.dense:
         raise UsageError("sensitivity: there are no derivatives of families kept as loops")
     if prepared.settings.at is not None:
         raise UsageError("sensitivity: rows at events have no derivatives: leave 'at' out")

@@ -109,7 +109,7 @@ def make(
 
     show(0.0, "methods")
     asked = _without_refused(asked, asker) if bound else asked
-    plain = structure.mass_constant and not (bound or compilation.looped)
+    plain = structure.mass_constant and compilation.equations.dense and not bound
     linear = structure.affine or (plain and affine.linear(compilation.equations))
     of_all = motion.by_norm, bound, bool(turned), linear
     maps = {m.name: StepMap(m, asker, *of_all) for m in asked.methods}

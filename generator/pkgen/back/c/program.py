@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import field
 from typing import Any, NamedTuple
 
-from ...equations import Equations, Structure
+from ...equations import AnyEquations, Equations, Structure
 from ...model import Table
 from ...record import record
 from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, MIRROR, RETURN, STORE, TRIG, Output
@@ -178,11 +178,13 @@ class Program:
 
 
 @record
-class LoopProgram:
-    """The template variables of a model with loops: strings, numbers and lists of these."""
+class FamilyProgram:
+    """The C of equations that are kept for families of any length, as template variables: strings,
+    numbers and lists of these."""
 
-    name: str
+    equations: AnyEquations
     context: dict[str, Any]
+    kernels = ()  # Their operations are not counted one by one, but a member.
 
 
 def operations_in(statements: Iterable[Statement]) -> Counter[str]:

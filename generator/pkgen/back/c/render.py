@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import pkgen_runtime
 
-from ...equations import Facts, Quantity
+from ...equations import Quantity, Structure
 from ...middle.derive.sensitivity import JACOBIANS
 from ...middle.report import Report
 from ...model import Definition, Model, Table
@@ -30,7 +30,7 @@ from .describe import entries, labelled, operations_rows
 from .helpers import helpers
 from .kernel_code import KernelCode
 from .lane_code import LANE_ARGUMENTS, LaneCode
-from .program import Kernel, LoopProgram, Program, operations_text
+from .program import FamilyProgram, Kernel, Program, operations_text
 
 if TYPE_CHECKING:
     import jinja2
@@ -90,11 +90,13 @@ def render(
     return _files(program.equations.model.name, context, templates)
 
 
-def render_loops(program: LoopProgram) -> dict[str, str]:
+def render_families(program: FamilyProgram) -> dict[str, str]:
     """Returns the C files of a model whose families are loops."""
     context = program.context
-    templates = {".h": "loop_header.h.j2", ".c": "loop_source.c.j2"}
-    return _files(program.name, context, templates if context["plain"] else templates | GLUE)
+    templates = {".h": "family_header.h.j2", ".c": "family_source.c.j2"}
+    return _files(
+        program.equations.model.name, context, templates if context["plain"] else templates | GLUE
+    )
 
 
 def _files(name: str, context: dict[str, Any], templates: dict[str, str]) -> dict[str, str]:
@@ -214,6 +216,19 @@ def pasted(header: str) -> str:
     return re.sub(r"#include <pk/.*>\n+", "", path.read_text(encoding="utf-8"))
 
 
+# The licence of a header.
+PASTED = """
+ *
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */"""
+
+
+def unguarded(header: str) -> str:
+    """Returns the text of pasted(header) without its licence and its include guard, for a file that
+    states the licence and has the text once."""
+    head, _, rest = pasted(header).replace(PASTED, " */").partition("#ifndef ")
+    return head + rest.partition("\n\n")[2].rpartition("\n#endif")[0]
+
+
 def _lookup(model: Model) -> str:
     """Returns the functions that read tables; those of no table of the model are left out, since
     compilers warn of unused functions."""
@@ -227,7 +242,7 @@ def _lookup(model: Model) -> str:
 
 def frame(
     model: Model,
-    proved: Facts,
+    proved: Structure,
     kernels: set[str],
     parameters: list[dict[str, Any]],
     names: dict[str, Sequence[Quantity | Definition]],
@@ -284,7 +299,7 @@ def _context(program: Program) -> dict[str, Any]:
         "has_lagrangian": int("lagrangian" in present and not equations.inertia),
         "n_rotations": sum(bool(a.numbers) for a in equations.attitudes),
         "entries": tables.system_entries(program),
-        "events": tables.events(program),
+        "events": tables.events(equations) if tables.has(program, "events") else [],
         "marks": [mark.quantity.name for mark in equations.marks],
         "switches": [switch.quantity.name for switch in equations.switches],
         "counted": equations.counted,

@@ -6,9 +6,8 @@ from collections.abc import Iterable, Sequence
 from textwrap import fill
 from typing import Any
 
-from ...equations import Equations, Quantity
+from ...equations import AnyEquations, Equations, Quantity
 from ...indices import parted
-from ...middle.loops.loops import LoopEquations
 from ...model import Table
 from .ctext import WIDTH
 from .describe import families, field_says
@@ -28,7 +27,7 @@ def tables(program: Program) -> dict[str, Sequence[Quantity]]:
         "constraints": e.constraints.names if e.constraints else (),
         "redundant_rows": e.constraints.redundant.names if e.redundant_terms else (),
     }
-    return {name: row if _has(program, name) else () for name, row in found.items()}
+    return {name: row if has(program, name) else () for name, row in found.items()}
 
 
 # Table -> the kernel that writes its quantities.
@@ -42,7 +41,7 @@ _WRITTEN = {
 }
 
 
-def _has(program: Program, table: str) -> bool:
+def has(program: Program, table: str) -> bool:
     """Returns whether the C has a table; embedded C has only tables of quantities that it
     computes."""
     kernel = _WRITTEN.get(table)
@@ -60,7 +59,7 @@ def counts(program: Program) -> list[tuple[str, int, str]]:
         ("OBSERVED", len(names["observed"]), ""),
         ("CONSERVED", len(names["conserved"]), ""),
         ("CONSTRAINTS", len(names["constraints"]), "rows"),
-        ("EVENTS", len(events(program)), ""),
+        ("EVENTS", len(events(program.equations)) * has(program, "events"), ""),
     ]
     always = {"N"} if program.plain else {"N", "PARAMETERS", "INPUTS", "OBSERVED", "CONSERVED"}
     return [row for row in rows if row[1] or row[0] in always]
@@ -112,10 +111,7 @@ def _number(x: float) -> str:
     return str(int(x)) if abs(x) < 10 and x == int(x) else f"(pk_real){x!r}"
 
 
-def events(of: Program | LoopEquations) -> list[dict[str, Any]]:
-    if isinstance(of, Program) and not _has(of, "events"):
-        return []
-    e = of.equations if isinstance(of, Program) else of
+def events(e: AnyEquations) -> list[dict[str, Any]]:
     return [
         vars(quantity) | {"direction": event.direction, "stop": event.stop + event.limit}
         for quantity, event in zip(e.event_names, e.model.events, strict=True)
@@ -170,7 +166,7 @@ def indices(program: Program) -> list[dict[str, Any]]:
         ("u", e.inputs, "into u"),
         ("o", names["observed"], "into the observed outputs"),
         ("c", names["conserved"], "into the quantities claimed to be constant"),
-        ("e", e.event_names if _has(program, "events") else (), "into the events"),
+        ("e", e.event_names if has(program, "events") else (), "into the events"),
     ]
     return [
         {"stem": stem, "says": says, "rows": families(quantities, own if stem == "x" else 0)}

@@ -24,7 +24,7 @@ class Needs:
 
     columns: frozenset[str]
     events: frozenset[str] = frozenset()
-    # Facts about the equations without which the integrator cannot be used.
+    # Structure about the equations without which the integrator cannot be used.
     facts: tuple[str, ...] = ()
     apart: bool = True  # Whether parts of the system may be integrated separately.
     off: frozenset[str] = frozenset()  # The names of the reductions that the user switched off.
