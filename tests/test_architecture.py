@@ -35,6 +35,7 @@ middle/derive
 middle/reduce middle/families
 back back/host
 back/c back/wasm
+back/c/families
 plan
 compiler
 run
@@ -113,6 +114,21 @@ def test_arrows_point_down() -> None:
 def test_every_room_is_used_and_has_a_floor() -> None:
     assert {_room(name) for name in MODULES} <= FLOOR.keys() | {"back", "analysis"}
     assert set(FLOOR) <= {_room(name) for name in MODULES}
+
+
+# Modules that tell equations of families of any length from those that are written out: what
+# derives and writes them, what chooses between both, and what writes their rows as text.
+FAMILIES = "middle.families", "back.c.families", "compiler", "explain.families", "explain.rows"
+
+
+def test_no_other_module_asks_whether_a_model_has_families():
+    asking = [
+        name
+        for name, path in MODULES.items()
+        if not name.removeprefix("pkgen.").startswith(FAMILIES)
+        and re.search(r"families\.equations|FamilyEquations|NotKept", path.read_text())
+    ]
+    assert asking == []
 
 
 C_FLOORS = """

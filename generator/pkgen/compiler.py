@@ -25,7 +25,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from .back.c.constant_range import Beyond, extreme
-from .equations import Equations, Structure
+from .equations import Equations
 from .front import parse
 from .front.check import check
 from .methods import Own
@@ -41,6 +41,7 @@ from .middle.quantities import families, too_deep
 from .middle.reduce import reduce
 from .middle.reduce.reduction import ENOUGH, Needs, State
 from .middle.report import Report, ReportLine
+from .middle.structure import Structure
 from .model import Model
 from .plan import CompilePlan, Use
 from .record import record

@@ -17,7 +17,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import Protocol
 
 from .graph.graph import ZERO, Graph, Node
 from .graph.solve import Pivots
@@ -26,12 +26,6 @@ from .model import Definition, Event, Model
 from .record import record
 from .source import Diagnostic, Span
 
-if TYPE_CHECKING:
-    from .middle.families.equations import FamilyEquations
-
-# Equations that are written out, or kept for families of any length. Both have the properties by
-# which runs and reports know a model.
-AnyEquations: TypeAlias = "Equations | FamilyEquations"
 Row = tuple[Node, ...]
 Matrix = tuple[Row, ...]
 
@@ -272,6 +266,43 @@ class Named:
     states: tuple[Quantity, ...]
 
 
+class AnyEquations(Protocol):
+    """Equations that are written out (Equations) or kept for families of any length
+    (middle/families): what runs and reports know of them, without asking which they are."""
+
+    model: Model
+    graph: Graph
+    switches: tuple
+    coordinates: tuple
+    states: tuple
+    inputs: tuple[Quantity, ...]
+    momenta_names: tuple[Quantity, ...]
+    event_names: tuple[Quantity, ...]
+    acceleration: Row | None
+    linear: Linear | None
+    constraints: Constraints | None
+    # Whether C has kernels of dense matrices, and every quantity a name of its own.
+    dense: bool
+    # Whether members of long families feel only those near them.
+    is_chain: bool
+    # The shape of M in words, where it is not read from the facts.
+    mass_in_words: str
+    # The kinds of forces that do not come from L, in words.
+    forces_beyond: list[str]
+    # The number of rows of M that come from L.
+    inertial: int
+    # The outputs with one value each, by name.
+    single_outputs: dict[str, Node]
+    has_energy: bool
+    # The number of values that switches have.
+    n_switches: int
+
+    def listed(self, kind: str) -> list[Declared]:
+        """Returns the quantities of a kind as a run numbers them: "q", "v" (rates, then states),
+        "param" or "observed"."""
+        ...
+
+
 @record
 class Equations:
     model: Model
@@ -344,33 +375,25 @@ class Equations:
     # For C: the requested Jacobians by name (middle/derive/sensitivity.py).
     sensitivity: Mapping[str, Matrix] | None = None
 
-    # Whether C has kernels of dense matrices, and every quantity a name of its own. Equations that
-    # are kept for families of any length (middle/families) have neither.
+    # See AnyEquations.
     dense = True
-    # Whether members of long families feel only those near them.
     is_chain = False
-
-    # The shape of M in words, where it is not read from the facts.
     mass_in_words = ""
 
     @property
     def forces_beyond(self) -> list[str]:
-        """The kinds of forces that do not come from L, in words."""
         bound = self.constraints
         applied = bound.free_applied if bound else self.applied[: self.inertial]
         found = ["of constraints"] if bound else []
         return found + ["force or dissipation"] * any(node != ZERO for node in applied)
 
     def listed(self, kind: str) -> list[Declared]:
-        """Returns the quantities of a kind as a run numbers them: "q", "v" (rates, then states),
-        "param" or "observed"."""
         found = {"q": self.seen, "v": (*self.rates, *self.states), "observed": self.observed_names}
         named = (slot.quantity for slot in self.parameters)
         return Declared.each(named if kind == "param" else found[kind])
 
     @property
     def single_outputs(self) -> dict[str, Node]:
-        """The outputs with one value each, by name."""
         return {q.name: x for q, x in zip(self.observed_names, self.observed, strict=True)}
 
     @property
@@ -427,72 +450,3 @@ class Equations:
     def seen(self) -> tuple[Quantity, ...]:
         """The coordinates without hidden ones, which are dummies of body rates."""
         return self.coordinates[: len(self.coordinates) - len(self.turning)]
-
-
-Indices = tuple[tuple[int, ...], ...]
-
-
-@record
-class Claim:
-    """The outcome of a `conserve` statement: proved, refuted or open, with the reason in words."""
-
-    name: str
-    outcome: str  # PROVED, REFUTED or OPEN of middle/analyze/proofs.py
-    says: str
-
-
-@record
-class Invariant:
-    """A constant of the motion: a sum of terms. A term is a coefficient (a node with parameters
-    only) times a product of names: "t", coordinates, momenta and "energy"."""
-
-    name: str  # "energy", "p_phi", or the formula of the invariant
-    reason: str  # the symmetry, in words
-    generator: str  # generator of the symmetry: "x d/dy - y d/dx"
-    terms: tuple[tuple[Node, tuple[str, ...]], ...]
-    node: Node
-    when: str = ""  # sizes for which it is proved, if families are loops
-
-
-@record
-class Symmetries:
-    """A basis of the invariants by Noether's theorem; nodes are of `graph`."""
-
-    graph: Graph
-    parameters: tuple[str, ...]  # names of the parameters in coefficients
-    searched: str  # in words, the generators searched; "" if the model was too large
-    invariants: tuple[Invariant, ...]
-
-
-@record
-class Structure:
-    """Proved facts about a system and its coordinates; False means not proved, an empty tuple that
-    nothing is known. See enum pk_fact. `influences` may have too many entries, but a missing entry
-    is proved to have no influence."""
-
-    mass_constant: bool
-    mass_diagonal: bool
-    quadratic: bool
-    separable: bool
-    autonomous: bool
-    conservative: bool
-    variational: bool
-    smooth: bool
-    affine: bool = False  # the acceleration is affine in q and v, with constant coefficients
-    switched: bool = False  # smooth except at switches, where a run stops a step
-    linear_drag: bool = False  # separable except for forces C v with constant C
-    affine_rates: bool = False  # separable except for forces C v with any C(q, t)
-    fast: bool = False  # separable, with terms of V that the model names fast
-    claims: tuple[Claim, ...] = ()
-    symmetries: Symmetries | None = None  # None: not requested
-    cyclic: tuple[bool, ...] = ()  # whether p_i is constant
-    definite: bool | None = None  # M is positive definite wherever it is finite; None: not asked
-    singular: tuple[str, ...] = ()  # expressions at whose zeros M may be singular
-    mass_blocks: Indices = ()  # blocks of coordinates coupled by M, the finest partition
-    mass_band: int = 0  # largest |i - j| of a nonzero entry of M
-    influences: Indices = ()  # for each i, all j for which a_i depends on q_j or v_j
-    blocks: Indices = ()  # a partition of coordinates; blocks do not influence each other
-
-    @property
-    def smooth_in_pieces(self) -> bool:
-        return self.smooth or self.switched

@@ -10,10 +10,11 @@ from collections.abc import Callable
 from dataclasses import fields
 
 from .defaults import GAUSS_RTOL, RTOL, UNTIL
-from .equations import AnyEquations, Structure
+from .equations import AnyEquations
 from .methods import provides
 from .middle.reduce.reduction import Needs
 from .middle.report import ReportLine
+from .middle.structure import Structure
 from .model import Model
 from .record import record
 

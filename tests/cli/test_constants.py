@@ -11,8 +11,8 @@ import pytest
 from conftest import ROOT, case, ran, written
 from pkgen.back.facts import found_by_symmetry, invariants
 from pkgen.compiler import compile_model
-from pkgen.equations import Invariant, Symmetries
 from pkgen.explain.explain import constants_text, proofs_record
+from pkgen.middle.structure import Invariant, Symmetries
 from pkgen.source import Source
 
 TOP = ROOT / "models/heavy_top.lag"

@@ -11,11 +11,12 @@ import pytest
 from conftest import STRICT
 from pkgen.back.c import lower, render
 from pkgen.back.c.program import Program
-from pkgen.back.kernels import KERNELS
-from pkgen.equations import Equations, Structure
+from pkgen.back.kernels import kernel as spec_of
+from pkgen.equations import Equations
 from pkgen.front.check import check
 from pkgen.middle.analyze import analyze
 from pkgen.middle.derive import derive
+from pkgen.middle.structure import Structure
 from pkgen.model import Model
 from pkgen.source import Source
 
@@ -184,7 +185,7 @@ class Loaded:
         outputs = [(ctypes.c_double * o.length)(*[9.875] * o.length) for o in spec.outputs]
         arrays = [
             (ctypes.c_double * max(1, len(x)))(*x)
-            for x in (q, v, u, *([a] * len(KERNELS[kernel].given)))
+            for x in (q, v, u, *([a] * len(spec_of(kernel).given)))
         ]
         result = function(self.params, ctypes.c_double(t), *arrays, *outputs)
         return result, [list(o) for o in outputs]

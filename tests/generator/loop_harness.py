@@ -22,7 +22,7 @@ def looped(text: str) -> FamilyEquations:
     return derive_families(model)
 
 
-class NotKept(Loaded):
+class Written(Loaded):
     """The model at one size, unrolled."""
 
     def __init__(self, text: str, size: int, directory: Path) -> None:
@@ -61,7 +61,7 @@ class Looped:
         fields += [
             ("c_", ctypes.c_double * hoisted),
             ("work_", ctypes.c_void_p),
-            ("failed_", ctypes.c_int),
+            *([("failed_", ctypes.c_int)] if "int failed_" in header else []),
             ("at_", ctypes.c_ssize_t * places),
         ]
         switches = len(self.equations.switches)

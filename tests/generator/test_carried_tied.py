@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from c_harness import CONSTRAINT, MASS, failed
 from carried_models import tied_links
-from loop_harness import Looped, NotKept
+from loop_harness import Looped, Written
 
 from conftest import case, seeds
 from pkgen.source import ModelError
@@ -24,7 +24,7 @@ class Both:
 
     def __init__(self, text: str, loops: Looped, size: int, folder: Path, dice: random.Random):
         self.at, self.text = loops.at(size), f"{text}N = {size}"
-        self.flat = NotKept(text, size, folder)
+        self.flat = Written(text, size, folder)
         e = self.flat.program.equations
         self.n, self.rows = self.at.n, 0
         q, v, u = ([dice.uniform(-1, 1) for _ in range(k)] for k in (self.n, self.n, len(e.inputs)))

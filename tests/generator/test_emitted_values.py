@@ -156,7 +156,7 @@ def test_singular_mass_is_refused_and_nothing_written(tmp_path):
         loaded = Loaded(program, tmp_path / str(unroll))
         for e, status in [(1.0, 0), (1e-3, 0), (0.0, refused), (1e-17, refused), (-0.5, refused)]:
             loaded.params[0] = e
-            # NotKept, 1/e is hoisted, and prepare says what is wrong already.
+            # Unrolled, 1/e is hoisted, and prepare says what is wrong already.
             assert loaded.prepare() == (failed(DERIVED) if unroll and not e else 0)
             result, outputs = loaded.call("acceleration", 0, [0.3, 0.2], [0.1, 0.4])
             assert result == status, (e, unroll)

@@ -7,7 +7,7 @@ import random
 import pytest
 from c_harness import MASS, PARAMETER, SIZE
 from c_harness import failed as failure
-from loop_harness import Looped, NotKept, looped
+from loop_harness import Looped, Written, looped
 from loop_models import MODELS, UNROLLED
 
 from conftest import case
@@ -37,7 +37,7 @@ def test_loops_equal_the_unrolled_code(name, sizes, tmp_path):
     text = MODELS[name][0]
     loops = Looped(text, tmp_path / "loops")
     for size in sizes:
-        unrolled = NotKept(text, size, tmp_path / f"n{size}")
+        unrolled = Written(text, size, tmp_path / f"n{size}")
         at = loops.at(size)
         assert at.n == len(unrolled.program.equations.coordinates)
         generator = random.Random(2385 + size)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from loop_harness import Looped, NotKept
+from loop_harness import Looped, Written
 
 from conftest import seeds
 from pkgen.graph.graph import TooLarge
@@ -72,7 +72,7 @@ class Tied:
 
     def __init__(self, text: str, loops: Looped, size: int, folder: Path, dice: random.Random):
         self.size, self.at, self.text = size, loops.at(size), f"{text}N = {size}"
-        self.flat = NotKept(text, size, folder)
+        self.flat = Written(text, size, folder)
         e = self.flat.program.equations
         n, self.n, self.c = len(e.coordinates), self.at.n, len(e.constraints.residual)
         assert n == self.n

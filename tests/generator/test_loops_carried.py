@@ -10,7 +10,7 @@ import pytest
 from c_harness import MASS, run
 from c_harness import failed as failure
 from carried_models import links
-from loop_harness import Looped, NotKept
+from loop_harness import Looped, Written
 from loop_models import LINKS
 
 from conftest import case, seeds
@@ -28,7 +28,7 @@ def test_chains_equal_the_unrolled_code(seed: int, tmp_path) -> None:
     loops = Looped(text, tmp_path / "loops")
     assert loops.equations.carried
     for size in (2, 3, 6):
-        written, at = NotKept(text, size, tmp_path / f"n{size}"), loops.at(size)
+        written, at = Written(text, size, tmp_path / f"n{size}"), loops.at(size)
         q, v = ([dice.uniform(-1, 1) for _ in range(at.n)] for _ in range(2))
         u = [dice.uniform(-1, 1) for _ in written.program.equations.inputs]
         state = (dice.uniform(0, 3), q, v, u)

@@ -5,7 +5,7 @@ import math
 import random
 
 import pytest
-from loop_harness import Looped, NotKept, looped
+from loop_harness import Looped, Written, looped
 from test_loops import METHODS, assert_kernels, fused, one_by_one
 
 from conftest import run_pkgen
@@ -121,7 +121,7 @@ def test_a_free_end_of_the_shorter_of_two_families_reads_what_has_not_drifted(tm
 def test_many_entries_of_m_that_are_equal_count_once(tmp_path):
     rates = " + ".join(f"q[i+{k}]'" for k in range(15))
     text = f"model dup\n{HEAD}kinetic sum(({rates})^2/2, i = 1..N-14)\n{ALONE}"
-    unrolled, at = NotKept(text, 20, tmp_path / "unrolled"), Looped(text, tmp_path).at(20)
+    unrolled, at = Written(text, 20, tmp_path / "unrolled"), Looped(text, tmp_path).at(20)
     r = random.Random(1)
     state = 0.0, [r.uniform(-1, 1) for _ in range(20)], [r.uniform(-1, 1) for _ in range(20)], []
     assert_kernels(unrolled, at, state, "dup")

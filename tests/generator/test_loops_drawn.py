@@ -6,7 +6,7 @@ import random
 import pytest
 import test_loops
 from chain_models import drawn
-from loop_harness import Looped, NotKept, looped
+from loop_harness import Looped, Written, looped
 from test_loops import assert_kernels, assert_start
 
 from pkgen.middle.families.indexed_ir import NotKept as CannotLoop
@@ -31,7 +31,7 @@ def test_drawn_models_equal_the_unrolled_code(seed: int, tmp_path, monkeypatch) 
     for k, text in texts.items():
         loops, dice = Looped(text, tmp_path / f"loops{k}", ("-O0",)), random.Random(k)
         for size in (3, 5):
-            written, at = NotKept(text, size, tmp_path / f"n{k}_{size}"), loops.at(size)
+            written, at = Written(text, size, tmp_path / f"n{k}_{size}"), loops.at(size)
             assert_start(written, at)
             q, v = ([dice.uniform(-1, 1) for _ in range(at.n)] for _ in range(2))
             u = [dice.uniform(-1, 1) for _ in written.program.equations.inputs]

@@ -5,7 +5,7 @@ import random
 
 import numpy as np
 import pytest
-from loop_harness import Looped, NotKept
+from loop_harness import Looped, Written
 from loop_models import MODELS, STATES
 from rotation_models import made
 from test_loops_bound import model as bound
@@ -82,7 +82,7 @@ def test_bands_of_derivatives_are_those_of_the_unrolled_code(name: str, tmp_path
     loops = Looped(text, tmp_path / "loops")
     largest = [0.0] * 4
     for size in (n for n in sizes if n <= 15):
-        unrolled = NotKept(text, size, tmp_path / f"n{size}")
+        unrolled = Written(text, size, tmp_path / f"n{size}")
         at = loops.at(size)
         dice = random.Random(size)
         inputs = len(unrolled.program.equations.inputs)
@@ -191,7 +191,7 @@ def test_totals_are_unknowns(name: str, tmp_path) -> None:
     text = "\n".join(FELT[name]) + "\n"
     loops = Looped(text, tmp_path / "loops")
     for size in (1, 2, 4):
-        unrolled, at = NotKept(text, size, tmp_path / f"n{size}"), loops.at(size)
+        unrolled, at = Written(text, size, tmp_path / f"n{size}"), loops.at(size)
         at.restless = True
         dice = random.Random(size)
         state, expected = at_random(unrolled, at, list(range(at.n)), dice)
@@ -206,7 +206,7 @@ def test_constraints_are_closed_by_their_multipliers(seed: int, tmp_path) -> Non
     largest = 0.0
     for size in (1, 2, 3, 7):
         try:
-            unrolled = NotKept(text, size, tmp_path / f"n{size}")
+            unrolled = Written(text, size, tmp_path / f"n{size}")
         except (ModelError, TooLarge):  # a row of one member may say nothing, M be too large
             continue
         largest = max(largest, assert_closed(unrolled, loops.at(size), size, dice, text, 1e-9))
@@ -220,7 +220,7 @@ def test_rotations_have_bands(seed: int, tmp_path) -> None:
     text = made(dice, 3).text
     loops = Looped(text, tmp_path / "loops")
     for size in (2, 3):  # the momenta of one member may depend on no attitude
-        unrolled = NotKept(text, size, tmp_path / f"n{size}")
+        unrolled = Written(text, size, tmp_path / f"n{size}")
         at = loops.at(size)
         if closes(at):
             assert assert_closed(unrolled, at, size, dice, text, 1e-11) > 0

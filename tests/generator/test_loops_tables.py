@@ -3,7 +3,7 @@
 import random
 
 import pytest
-from loop_harness import Looped, NotKept
+from loop_harness import Looped, Written
 from test_loops import assert_kernels, assert_start
 
 from conftest import seeds
@@ -47,7 +47,7 @@ def test_tables_equal_the_unrolled_code(seed, tmp_path, monkeypatch):
     text = model(r)
     loops = Looped(text, tmp_path / "loops")
     for size in r.sample(range(3, 16), 2):
-        unrolled, at = NotKept(text, size, tmp_path / f"n{size}"), loops.at(size)
+        unrolled, at = Written(text, size, tmp_path / f"n{size}"), loops.at(size)
         assert_start(unrolled, at)
         for _ in range(3):
             q, v = ([r.uniform(-3, 4) for _ in range(at.n)] for _ in range(2))

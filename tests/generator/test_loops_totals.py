@@ -5,7 +5,7 @@ import math
 import random
 
 import pytest
-from loop_harness import Looped, NotKept, looped
+from loop_harness import Looped, Written, looped
 from test_loops import assert_kernels, assert_start
 from total_models import RATES, TOTALS
 
@@ -21,7 +21,7 @@ def test_totals_equal_the_unrolled_code(name, tmp_path):
     text, sizes = CASES[name]
     loops = Looped(text, tmp_path / "loops")
     for size in sizes:
-        written, at, dice = NotKept(text, size, tmp_path / f"n{size}"), loops.at(size), None
+        written, at, dice = Written(text, size, tmp_path / f"n{size}"), loops.at(size), None
         dice = random.Random(size)
         assert at.n == len(written.program.equations.coordinates)
         at.restless = True

@@ -6,7 +6,7 @@ import random
 import numpy as np
 import pytest
 from carried_models import links, tied_links
-from loop_harness import Looped, NotKept
+from loop_harness import Looped, Written
 from test_loops_slopes import at_random, closed, matrices, order
 
 from conftest import seeds
@@ -22,7 +22,7 @@ def test_bands_of_chains_are_the_dense_matrices(seed: int, tmp_path) -> None:
         return
     largest = 0.0
     for size in (5, 2)[: 1 + (seed > 0)]:
-        unrolled, at = NotKept(text, size, tmp_path / f"n{size}"), loops.at(size)
+        unrolled, at = Written(text, size, tmp_path / f"n{size}"), loops.at(size)
         state, (M, p_q, pdot_q, pdot_v) = at_random(unrolled, at, order(unrolled, at, size), dice)
         nothing = [np.zeros((1, 1))] * 3
         alone = closed(matrices(at, "slopes_mass", state, 1), nothing, 0, 0)

@@ -7,12 +7,7 @@
 #include "fput.h"
 
 /* Sums of terms over the members of families, such as sum(f(q[i], q[i+1]), i = 0..N). A model has
- * a C function for each term, which computes it for n successive members at once.
- *
- * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
-#ifndef PK_MEMBERS_H
-#define PK_MEMBERS_H
-
+ * a C function for each term, which computes it for n successive members at once. */
 #define PK_BLOCK 512 /* the most members that a term is computed for at a time */
 
 /* The arguments of a kernel; `at` has indices for tables. */
@@ -32,7 +27,6 @@ typedef void pk_values(const struct pk_members *x, ptrdiff_t row, ptrdiff_t from
                      PK_PERHAPS ptrdiff_t from, ptrdiff_t n, pk_real *const *o)
 
 PK_INLINE static ptrdiff_t pk_most(ptrdiff_t a, ptrdiff_t b) { return a > b ? a : b; }
-
 PK_INLINE static ptrdiff_t pk_least(ptrdiff_t a, ptrdiff_t b) { return a < b ? a : b; }
 
 /* Returns the members from .. from + n - 1 of a family with the indices lo .. hi, whose array
@@ -85,14 +79,7 @@ PK_PERHAPS static pk_real pk_sum(const struct pk_members *x, pk_values *values, 
     return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
 }
 
-#endif
-
-/* Values of terms in a buffer, for rows and numbers that are sums of several terms.
- *
- * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
-#ifndef PK_MEMBERS_ROWS_H
-#define PK_MEMBERS_ROWS_H
-
+/* Values of terms in a buffer, for rows and numbers that are sums of several terms. */
 #define PK_MOST_VALUES 256
 
 /* Writes the `count` values of a term for m = from .. from + n - 1: value r to e[r * width],
@@ -150,14 +137,7 @@ PK_INLINE static pk_real pk_whole(const pk_real *s)
     return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
 }
 
-#endif
-
-/* The ends of families, and values that are added to single members.
- *
- * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
-#ifndef PK_MEMBERS_ENDS_H
-#define PK_MEMBERS_ENDS_H
-
+/* The ends of families, and values that are added to single members. */
 /* Returns the index of the member for which index i stands, lo - 1 if there is none. A ring
  * continues with its own members. The free ends repeat the first member for `below` indices, the
  * last one for `above`. */
@@ -208,14 +188,7 @@ PK_PERHAPS static void pk_add_to(const struct pk_added *found, int count, int fa
             r[found[b].output * width + found[b].i - from] += found[b].value;
 }
 
-#endif
-
-/* Lists of terms with a value for each member or pair.
- *
- * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
-#ifndef PK_MEMBERS_LIST_H
-#define PK_MEMBERS_LIST_H
-
+/* Lists of terms with a value for each member or pair. */
 /* A term with the indices m = at[over] .. at[over + 1]; one of pairs has j = at[over + 2] + first
  * * m .. at[over + 3] + last * m too. */
 struct pk_terms {
@@ -275,8 +248,6 @@ PK_PERHAPS static void pk_listed(const struct pk_members *x, const struct pk_ter
     *j += (ptrdiff_t)k;
 }
 
-#endif
-
 /* Factors a symmetric matrix as L D L^T in place, row by row without pivoting: a band, followed by
  * a border of dense rows. Entry (i, j) of the lower triangle is
  *
@@ -286,12 +257,7 @@ PK_PERHAPS static void pk_listed(const struct pk_members *x, const struct pk_ter
  *
  * 1/D is stored in place of D. The caller checks the pivots.
  *
- * Reference: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 4.3.
- *
- * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
-#ifndef PK_LDL_H
-#define PK_LDL_H
-
+ * Reference: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 4.3. */
 struct pk_ldl {
     ptrdiff_t rows, width, border, apart, down, along, across;
     pk_real *band, *below, *corner;
@@ -430,8 +396,6 @@ PK_INLINE static void pk_ldl_substitute(const struct pk_ldl *A, pk_real *x)
     pk_ldl_back(A, all, x);
 }
 
-#endif
-
 /* Matrices of models with families: a band with a border of dense rows, to which terms add
  * entries.
  *
@@ -439,12 +403,7 @@ PK_INLINE static void pk_ldl_substitute(const struct pk_ldl *A, pk_real *x)
  * then one row of every family of constraints, which belongs to the largest index of a coordinate
  * in it. The factorization L D L^T of K = [M J^T; J 0] then needs no pivoting: each leading block
  * of K is regular if the rows are independent. Behind the band come rows that reach around the
- * end of a ring, then scalar coordinates and single rows.
- *
- * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
-#ifndef PK_MEMBERS_BAND_H
-#define PK_MEMBERS_BAND_H
-
+ * end of a ring, then scalar coordinates and single rows. */
 /* The ends of a family: see pk_home(). Its range is in the array `at` of struct pk_members: the
  * number of its first member in arrays, its least and its greatest index. */
 struct pk_family {
@@ -1058,15 +1017,8 @@ PK_PERHAPS static void pk_bands(const struct pk_members *x, const struct pk_plac
     pk_scatter(x, p, of, e, &to);
 }
 
-#endif
-
 /* Steps of splitting methods with the accelerations of members: kicks v += h a and drifts q += h
- * v. Sums are not compensated.
- *
- * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
-#ifndef PK_MEMBERS_STEPS_H
-#define PK_MEMBERS_STEPS_H
-
+ * v. Sums are not compensated. */
 #define PK_STAGES 32 /* kicks and drifts in one pass over memory */
 #define PK_MOST_CARRIED 64
 
@@ -1211,13 +1163,10 @@ PK_PERHAPS static void pk_advance(struct pk_members *x, const struct pk_kicks *o
         pk_one_pass(x, of, e, lag, count, time, delta, kappa, q, v);
 }
 
-#endif
-
 void fput_sizes(struct fput_params *p)
 {
     p->N = 31;
     p->work_ = NULL;
-    p->failed_ = 0;
 }
 
 size_t fput_count(const struct fput_params *p)
@@ -1299,7 +1248,6 @@ int fput_prepare(struct fput_params *p)
     for (k = 0; k < 2; k++)
         if (!(0 * p->c_[k] == 0))
             return PK_FAILED(PK_FAILURE_DERIVED, 0);
-    p->failed_ = 0;
     return 0;
 }
 
@@ -1313,7 +1261,6 @@ void fput_bounds(const struct fput_params *p, pk_real *lo, pk_real *hi)
 void fput_start(const struct fput_params *p, pk_real *q, pk_real *v)
 {
     ptrdiff_t m;
-
     for (m = 0; m < (ptrdiff_t)fput_count(p); m++)
         q[m] = v[m] = 0;
     for (m = 1; m <= p->N; m++) {
@@ -1508,7 +1455,6 @@ PK_TERM(fput_lagrangian_1)
     }
 }
 
-
 /* f = pdot - (dp/dq) v - dp/dt. */
 void fput_force(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                 const pk_real *u, pk_real *PK_RESTRICT f)
@@ -1518,7 +1464,6 @@ void fput_force(const struct fput_params *p, pk_real t, const pk_real *q, const 
 
     for (from = 1; from <= p->N; from += n) {
         pk_real *const o[] = {f + from - 1};
-
         n = pk_step(from, 1, p->N);
         fput_force_0(x, 0, from, n, o);
     }
@@ -1533,7 +1478,6 @@ void fput_canonical(const struct fput_params *p, pk_real t, const pk_real *q, co
 
     for (from = 1; from <= p->N; from += n) {
         pk_real *const o[] = {momenta + from - 1, pdot + from - 1};
-
         n = pk_step(from, 1, p->N);
         fput_canonical_0(x, 0, from, n, o);
     }
@@ -1548,7 +1492,6 @@ void fput_momenta(const struct fput_params *p, pk_real t, const pk_real *q, cons
 
     for (from = 1; from <= p->N; from += n) {
         pk_real *const o[] = {momenta + from - 1};
-
         n = pk_step(from, 1, p->N);
         fput_momenta_0(x, 0, from, n, o);
     }
@@ -1563,7 +1506,6 @@ void fput_gradient(const struct fput_params *p, pk_real t, const pk_real *q, con
 
     for (from = 1; from <= p->N; from += n) {
         pk_real *const o[] = {dLdq + from - 1};
-
         n = pk_step(from, 1, p->N);
         fput_force_0(x, 0, from, n, o);
     }

@@ -194,7 +194,6 @@ struct fput_params {
     pk_real alpha;
     pk_real c_[2]; /* set by fput_prepare(); do not set this or the members below */
     pk_real *work_;
-    int failed_;
     ptrdiff_t at_[8];
 };
 

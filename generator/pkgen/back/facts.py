@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ..equations import AnyEquations, Equations, Indices, Invariant, Structure, Symmetries
+from ..equations import AnyEquations, Equations
 from ..graph.graph import BIT, Kind
+from ..middle.structure import Indices, Invariant, Structure, Symmetries
 
 SHOWN = 8  # The largest number of terms of an invariant, and of blocks of coordinates, to print.
 

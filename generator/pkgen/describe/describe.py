@@ -150,8 +150,8 @@ class _Description:
             yield found | ({} if self.compilation.equations.dense else {"place": [k, position]})
 
     def samples(self) -> Entries:
-        slots = enumerate(self.compilation.program.equations.parameters)
-        given = {slot.quantity.name: self.given["parameters"][k] for k, slot in slots}
+        names = enumerate(named.parameters(self.compilation).names())
+        given = {name: self.given["parameters"][k] for k, name in names}
         values = Values(self.declared, {parted(name): x for name, x in given.items()})
         for block in self.declared.samples:
             yield {

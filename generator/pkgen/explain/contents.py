@@ -27,7 +27,7 @@ class Contents:
     # Pairs of a heading and a text: how families are compiled: written out, or not.
     families: list[tuple[str, str]]
     costs: Section
-    # entries of the `--json` output that differ between loops.py and flat.py
+    # entries of the `--json` output that differ between families.py and flat.py
     record: dict[str, object]
 
 

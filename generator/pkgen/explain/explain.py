@@ -9,8 +9,9 @@ from collections.abc import Iterator, Sequence
 from ..back.facts import facts, found, invariants, shortened
 from ..compiler import Compilation
 from ..describe.drawing import shown
-from ..equations import ParameterSlot, Quantity, Structure, Symmetries
+from ..equations import ParameterSlot, Quantity
 from ..graph.graph import Node, Op
+from ..middle.structure import Structure, Symmetries
 from ..model import Event, Model
 from . import families, flat
 from .contents import Contents, section

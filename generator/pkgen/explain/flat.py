@@ -11,11 +11,12 @@ from collections.abc import Callable, Iterable, Iterator
 from ..back.c.program import operations_text
 from ..back.facts import found
 from ..compiler import Compilation
-from ..equations import Equations, Quantity, Structure
+from ..equations import Equations, Quantity
 from ..graph.graph import BIT, ZERO, Kind, Node
 from ..indices import multiplied
 from ..middle.analyze import sympy_bridge
 from ..middle.derive.effective import NAME, NotReduced, written
+from ..middle.structure import Structure
 from .contents import Contents
 
 Rows = list[tuple[str, Node]]

@@ -9,12 +9,13 @@ from dataclasses import replace
 from itertools import islice
 
 from ..compiler import STAGES, Compilation, stages
-from ..equations import AnyEquations, Structure
+from ..equations import AnyEquations
 from ..front.check.expects import calls
 from ..indices import unrolled
 from ..methods import Own, known, provides
 from ..middle.quantities import indexed, sizes
 from ..middle.report import Report
+from ..middle.structure import Structure
 from ..model import Model, Scene
 from ..run.methods_table import in_words
 from ..source import Diagnostic, ModelError

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ..compiler import Compilation
-from ..equations import AnyEquations, Equations, Structure
+from ..equations import AnyEquations, Equations
 from ..graph.solve import looped
 from ..methods import METHODS, Method, in_lanes, known
 from ..middle.motion import LINEAR_OF_FEW
@@ -15,6 +15,7 @@ from ..middle.reduce.reduce import APART, REDUCTIONS
 from ..middle.reduce.reduction import ENOUGH, Needs
 from ..middle.report import ReportLine
 from ..middle.specialise import folded, held
+from ..middle.structure import Structure
 from ..model import Model, Scene
 from ..plan import (
     DEFAULT,

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 from pkgen.back.facts import found
 from pkgen.compiler import Compilation
-from pkgen.equations import Invariant, Structure, Symmetries
 from pkgen.explain.explain import NOTHING
 from pkgen.graph.graph import Kind
 from pkgen.middle.analyze import sympy_bridge
+from pkgen.middle.structure import Invariant, Structure, Symmetries
 
 from . import mathml
 from .mathml import operator

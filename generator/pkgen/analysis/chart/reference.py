@@ -16,7 +16,7 @@ from itertools import takewhile
 import numpy
 
 from ...compiler import Compilation
-from ...equations import Structure
+from ...middle.structure import Structure
 from ...record import record
 from ...run.settings import Settings
 from ...system.exits import BuildError, NumericsFailed, UsageError

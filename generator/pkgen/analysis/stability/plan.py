@@ -11,8 +11,8 @@ import numpy
 
 from ...compiler import Compilation
 from ...defaults import UNTIL
-from ...equations import Structure
 from ...methods import provides
+from ...middle.structure import Structure
 from ...plot.names import label
 from ...record import record
 from ...run import named

@@ -10,10 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from ...equations import Equations, Structure
+from ...equations import Equations
 from ...graph.differentiate import symbols_in
 from ...graph.graph import BIT, Graph, Kind, Node, Symbol
 from ...middle.derive.switches import sides
+from ...middle.structure import Structure
 from ...record import record
 from ..kernels import KERNELS, KernelSpec, kernel, needed_kernels
 from ..targets import LOAD, STORE, Output, Target

@@ -11,7 +11,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import field
 from typing import Any, NamedTuple
 
-from ...equations import AnyEquations, Equations, Structure
+from ...equations import AnyEquations, Equations
+from ...middle.structure import Structure
 from ...model import Table
 from ...record import record
 from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, MIRROR, RETURN, STORE, TRIG, Output

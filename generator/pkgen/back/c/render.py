@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import pkgen_runtime
 
-from ...equations import Quantity, Structure
+from ...equations import Quantity
 from ...middle.derive.sensitivity import JACOBIANS
 from ...middle.report import Report
+from ...middle.structure import Structure
 from ...model import Definition, Model, Table
 from ...system.cache import cached
 from ...system.exits import BuildError

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from ...equations import Equations, Indices
+from ...equations import Equations
 from ...graph.differentiate import gradient, partials, reachable
 from ...graph.graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.normal import Normal
@@ -21,6 +21,7 @@ from ...graph.substitute import substituted
 from ..motion import rate_of
 from ..points.squares import determinant
 from ..quantities import symbols
+from ..structure import Indices
 
 # The largest numerator, and the denominators, of rational combinations that are tried.
 LARGEST, DENOMINATORS = 1_000, range(1, 13)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ...equations import Equations, Structure
+from ...equations import Equations
 from ...functions.row import COORDINATES
 from ...graph.calls import jumps, smooth
 from ...graph.differentiate import reachable, symbols_in
@@ -18,6 +18,7 @@ from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
 from ...graph.normal import WORK, Normal
 from ...graph.residues import Varying
 from ..points.squares import Positive, definite_by_squares
+from ..structure import Structure
 from .affine import CONSTANT, VARYING, affine, of_rates
 from .coupling import atoms, blocks_of, influences, mass_band, mass_blocks, ties
 from .proofs import claims_of

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from ...equations import Equations, Indices
+from ...equations import Equations
 from ...graph.differentiate import reachable, symbols_in
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Op
 from ...graph.normal import Normal
 from ...graph.residues import Residues
+from ..structure import Indices
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
 # Limit of work: products of two terms that the expansion of all expressions may compute.

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from ...equations import Claim, Equations, Indices
+from ...equations import Equations
 from ...functions import FUNCTIONS
 from ...functions.row import DIVISOR
 from ...graph.balls import Balls
@@ -30,6 +30,7 @@ from ..naming import naming
 from ..points.samples import Sample, samples, started
 from ..points.singularities import about, dangerous, squared, zeros
 from ..points.squares import bounds_of
+from ..structure import Claim, Indices
 from .along import Along
 
 PROVED, REFUTED, OPEN = "proved", "refuted", "not proved"

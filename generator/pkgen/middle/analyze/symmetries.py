@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import reduce
 
-from ...equations import Equations, Indices, Invariant, Matrix, Symmetries
+from ...equations import Equations, Matrix
 from ...graph.collect import parted
 from ...graph.exact import Exact
 from ...graph.graph import MINUS_ONE, ONE, ZERO, Graph, Kind, Node, Op, Symbol
@@ -30,6 +30,7 @@ from ...graph.normal import Monomial, Normal, Polynomial, TooMuch
 from ...graph.nullspace import Row, Vector, null_space
 from ...graph.wording import wording
 from ...record import record
+from ..structure import Indices, Invariant, Symmetries
 from .along import Along
 from .coupling import blocks_of
 from .symmetries_blocks import BLOCK, block_energies

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
-from ...equations import Equations, Indices, Invariant
+from ...equations import Equations
 from ...graph.differentiate import symbols_in
 from ...graph.exact import Exact
 from ...graph.graph import ONE, Graph, Kind, Node, Symbol
 from ...graph.normal import Normal
 from ..motion import STATE
+from ..structure import Indices, Invariant
 from .along import Along
 from .proofs import vanishes
 

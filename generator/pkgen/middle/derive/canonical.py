@@ -13,12 +13,13 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-from ...equations import Equations, Hamiltonian, Structure
+from ...equations import Equations, Hamiltonian
 from ...graph.collect import shortened
 from ...graph.graph import ZERO, Kind
 from ...graph.solve import solve
 from ...graph.substitute import substituted
 from ..quantities import error, smaller, symbols
+from ..structure import Structure
 
 
 def with_hamiltonian(equations: Equations, structure: Structure) -> Equations:

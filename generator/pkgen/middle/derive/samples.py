@@ -7,12 +7,12 @@ from collections.abc import Callable
 from itertools import pairwise
 
 from ...equations import Row
-from ...graph.graph import ZERO, Kind, Node
+from ...graph.graph import ZERO, Node
 from ...model import Sample
 from ...source import Span
 from ..expand.expand import Expander
 from ..expand.names import Value
-from ..quantities import input_index, input_quantities, symbols
+from ..quantities import input_index
 
 
 def sampled(x: Expander, solved: Callable[..., Node]) -> dict[str, Row]:
@@ -22,22 +22,22 @@ def sampled(x: Expander, solved: Callable[..., Node]) -> dict[str, Row]:
     if not blocks:
         return dict.fromkeys(("sampled", "sample_times", "held_start"), ())
     times = [t for b in blocks for t in (b.every, b.offset)]
-    start = [*symbols(x.graph, Kind.INPUT, len(input_quantities(x.model, x.orders)))]
+    start = [*x.input_nodes()]
     for k, item in enumerate(inputs):
         if item.by:
             begins = ZERO if item.start is None else x.scalar(item.start)
             start[input_index(x.orders, k)] = begins
     return {
-        "sampled": tuple(node for b in blocks for node in _next(x, b, len(start), solved)),
+        "sampled": tuple(node for b in blocks for node in _next(x, b, solved)),
         "sample_times": tuple(ZERO if t is None else x.scalar(t) for t in times),
         "held_start": tuple(start),
     }
 
 
-def _next(x: Expander, block: Sample, count: int, solved: Callable[..., Node]) -> list[Node]:
+def _next(x: Expander, block: Sample, solved: Callable[..., Node]) -> list[Node]:
     """Returns the next values of all inputs. An input with a delay takes the first of the values in
     waiting; in the block, its name is the value that was set last."""
-    before = symbols(x.graph, Kind.INPUT, count)
+    before = x.input_nodes()
     values = [*before]
     place = {name: input_index(x.orders, k) for name, k in x.inputs.items()}
     queues = {

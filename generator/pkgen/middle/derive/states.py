@@ -16,13 +16,14 @@ from collections.abc import Iterable
 from dataclasses import replace
 from graphlib import TopologicalSorter
 
-from ...equations import Constraints, Equations, Matrix, Quantity, Row, Structure, Switch
+from ...equations import Constraints, Equations, Matrix, Quantity, Row, Switch
 from ...graph.differentiate import symbols_in
 from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node
 from ...graph.rounding import sizes
 from ...graph.substitute import substituted
 from ..motion import NO_JACOBIANS, Motion, Wanted, jacobians_of, linear_of, with_states
 from ..quantities import rate_of_state, symbols
+from ..structure import Structure
 from .sensitivity import sensitivity_of
 
 STATES = BIT[Kind.STATE]

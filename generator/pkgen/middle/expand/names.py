@@ -29,9 +29,11 @@ from ..quantities import (
     has_bodies,
     indexed,
     input_index,
+    input_quantities,
     rate_of_state,
     sizes,
     smaller,
+    symbols,
     too_deep,
 )
 
@@ -174,6 +176,10 @@ class Names(ABC):
                 span,
                 "outputs may use accelerations, all else the first derivatives of coordinates",
             ) from None
+
+    def input_nodes(self) -> tuple[Node, ...]:
+        """Returns the symbols of all inputs, those of their derivatives among them."""
+        return symbols(self.graph, Kind.INPUT, len(input_quantities(self.model, self.orders)))
 
     def unrolled(
         self, index: Expr | None, range_: Range | None

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from ...model import Model
 from ...source import Diagnostic, ModelError
+from ..derive.samples import sampled
 from ..expand.names import entered
 from ..quantities import indexed, refuse_constant
 from .constraint_rows import bound_of
@@ -28,8 +29,6 @@ _UNROLLED = {
     "fast": "a part of the potential is named fast",
     "hamiltonian": "the model has a Hamiltonian",
     "consistent": "the start is found by the constraints",
-    "samples": "the model has a sample block",
-    "resetting": "an event gives values",
     "meets": "the model has contacts, friction or latches",
     "noises": "the model has noise",
 }
@@ -72,6 +71,9 @@ def _derive(x: FamilyExpander) -> FamilyEquations:
     conserved = outputs.nodes(model.conserved)
     events = outputs.nodes(model.events)
     refuse_constant(model, x.graph, events)
+    of_samples = sampled(x, lambda node, span: node)
+    resets = outputs.resets()
+    assembler.limits += x.limits_of(None, {})
     x.watched = False
     starts = starts_of(x, assembler)
     defaults = defaults_of(x, assembler)
@@ -93,6 +95,8 @@ def _derive(x: FamilyExpander) -> FamilyEquations:
         outputs=observed,
         conserved=conserved,
         events=events,
+        **of_samples,
+        resets=resets,
         given=given_of(x),
         defaults=defaults,
         bounds=bounds_of(x),

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import field
 
-from ...equations import Declared, Quantity, Structure
+from ...equations import Declared, Quantity
 from ...graph.affine import Affine
 from ...graph.graph import Graph, Node
 from ...model import Definition, Model
 from ...record import record
 from ..quantities import families, input_quantities, moving
+from ..structure import Structure
 from .indexed_ir import Bound, Carried, Group, Over, Slot, Sum, is_diagonal
 from .indices import Limit, size_values
 
@@ -133,6 +134,12 @@ class FamilyEquations:
     bounds: tuple[Bounded, ...]
     starts: tuple[Assigned, ...]
     limits: tuple[Limit, ...]
+    # As in Equations.
+    sampled: tuple[Node, ...] = ()
+    sample_times: tuple[Node, ...] = ()
+    held_start: tuple[Node, ...] = ()
+    # For each event that gives values, the assignments to single members.
+    resets: tuple[tuple[Assigned, ...], ...] = ()
     # For each periodic family, the largest distance of an index beyond its ends.
     wraps: dict[str, int] = field(default_factory=dict)
     # `let` definitions that only outputs use. Each inner tuple is computed in one loop.
@@ -274,6 +281,14 @@ class FamilyEquations:
     @property
     def observed(self) -> tuple[Node, ...]:
         return tuple(item.node for item in self.outputs)
+
+    @property
+    def told(self) -> list[Node]:
+        """What kernels beside those of the motion compute: outputs, and what blocks and events
+        give."""
+        given = (x.node for assigned in self.resets for x in assigned)
+        of_samples = (*self.sampled, *self.sample_times, *self.held_start)
+        return [*self.observed, *self.conserved, *self.events, *of_samples, *given]
 
     @property
     def observed_names(self) -> tuple[Quantity, ...]:

@@ -18,7 +18,7 @@ from ...tree import Expr, Name, Sum, children
 from ..attitudes import body_rates
 from ..expand.names import BUILT_IN, Value, next_input
 from ..expand.terms import EXPAND
-from ..quantities import error, input_index
+from ..quantities import error, input_index, input_quantities
 from .indexed_ir import Group, NotKept, Slot
 from .indices import Indices, Loop, size_values
 from .rotations import Rotations
@@ -83,9 +83,15 @@ class FamilyExpander(Indices):
         self.summed = 0
         # Whether the expressions that are converted are outputs.
         self.watched = False
+        self.assigned: dict[str, Value] = {}  # by the current sample block so far
         self._defining: list[str] = []
         self._visits = 0
         self._magnitudes = Magnitudes(self.graph)
+
+    def input_nodes(self) -> tuple[Node, ...]:
+        """Returns the symbols of all inputs, those of their derivatives among them."""
+        count = len(input_quantities(self.model, self.orders))
+        return tuple(self.slots.node("input", str(k)) for k in range(count))
 
     def statement(self, span: Span) -> AbstractContextManager:
         """Returns a context that does nothing. `Expander` adds the span to errors here; in loops,
@@ -127,6 +133,8 @@ class FamilyExpander(Indices):
         index = None if expr.index is None else self.index(expr.index, loop)
         if index is None and name in loop:
             return self.number(loop[name])
+        if name in self.assigned:
+            return self.assigned[name]
         if name in self.coordinates:
             return self.coordinate(name, index)
         if name in self.rotations.rates:

@@ -3,12 +3,12 @@ pk_fact). A fact that is False is not proved."""
 
 from __future__ import annotations
 
-from ...equations import Structure
 from ...graph.calls import jumps, smooth
 from ...graph.collect import settled
 from ...graph.differentiate import reachable
 from ...graph.graph import BIT, ZERO, Kind, Node, Op
 from ..analyze.affine import CONSTANT, VARYING, in_rates, is_affine
+from ..structure import Structure
 from .equations import FamilyEquations
 from .expand import FamilyExpander
 from .indexed_ir import CELLS, Slot, nodes_of
@@ -50,10 +50,11 @@ def facts_of(x: FamilyExpander, assembler: Assembler, e: FamilyEquations) -> Str
         separable=constant and straight and not _kinds(x, [*forces, *coasting]) & {"v", "s", "a"},
         autonomous=autonomous,
         conservative=bool(x.model.coordinates)
+        and not x.model.struck
         and not (assembler.applied or jumping or of_states)
         and steady
         and (autonomous and _workless(x, e) if e.bound else True),
-        variational=not (assembler.applied or e.states or e.bound),
+        variational=not (assembler.applied or e.states or e.bound or x.model.struck),
         smooth=is_smooth,
         affine=free and steady and not e.carried and _affine(x, forces),
         linear_drag=of_v == CONSTANT,

@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...equations import Claim, Invariant, Structure, Symmetries
 from ...front.check import check
 from ...front.statements import File
 from ...graph.differentiate import gradient
@@ -27,6 +26,7 @@ from ..analyze import analyze
 from ..analyze.proofs import OPEN, PROVED, REFUTED
 from ..derive import derive
 from ..quantities import families
+from ..structure import Claim, Invariant, Structure, Symmetries
 from .equations import FamilyEquations
 from .indexed_ir import nodes_of
 from .slots import Slots
@@ -130,6 +130,8 @@ def _alike(e: FamilyEquations) -> tuple[str, int]:
     difference of indices of coupled members."""
     g, slots = e.graph, Slots(e.graph, e.slots)
     motion = nodes_of(e.lagrangian, e.force)
+    if e.resets:
+        return "an event gives values", 0
     if e.carried or e.bound or e.along or e.wraps or e.scalars or not e.mass_diagonal:
         return "members are coupled by more than the terms near them", 0
     if any(len(x.over) == 4 for of in (e.lagrangian, e.force, *e.sums) for x in of) or any(

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from typing import Any
 
 from ...graph.affine import LOOPS, ROW, Affine
 from ...graph.graph import BIT, ZERO, Kind, Node
@@ -74,12 +75,37 @@ class Outputs:
             found.append(node)
         return tuple(found)
 
+    def resets(self) -> tuple[tuple[Assigned, ...], ...]:
+        """Returns for each event with values after it the assignments of these values."""
+        found = tuple(
+            tuple(map(self._given, event.then)) for event in self.x.model.events if event.then
+        )
+        if found and self.x.carried:
+            raise NotKept("an event gives values in a model with values carried along a chain")
+        return found
 
-def _outputs(x: FamilyExpander) -> Iterator[Definition | Event]:
+    def _given(self, item) -> Assigned:
+        x = self.x
+        lo, hi, loop = x.over(item.range, item.index)
+        if lo != hi:
+            raise NotKept(f"an event gives values to all members of '{item.name}'")
+        group = x.coordinates.get(item.name)
+        if group is None or group.is_turn:
+            raise NotKept(f"an event gives '{item.name}', which is no coordinate or rate")
+        if lo is not None:
+            x.members.append((group.lo, group.hi, lo))
+        order = 1 if group.is_state else item.order
+        return Assigned(item.name, order, lo, hi, x.scalar(item.value, loop))
+
+
+def _outputs(x: FamilyExpander) -> Iterator[Any]:
+    """Yields all statements whose values may be energies and momenta."""
     yield from (*x.model.observed, *x.model.conserved, *x.model.events)
+    yield from (item for event in x.model.events for item in event.then)
+    yield from (step for block in x.model.samples for step in block.steps)
 
 
-def _names(item: Definition | Event) -> Iterable[str]:
+def _names(item: Any) -> Iterable[str]:
     waiting = [item.value]
     while waiting:
         expr = waiting.pop()

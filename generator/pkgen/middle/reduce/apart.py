@@ -5,11 +5,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...equations import Equations, Indices, Structure
+from ...equations import Equations
 from ..analyze.analyze import analyze
 from ..analyze.coupling import partition
 from ..derive.lagrange import derived_again
 from ..drop_coordinates import without
+from ..structure import Indices, Structure
 from .reduction import Subsystem
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
-from ...equations import Equations, Structure
+from ...equations import Equations
 from ...graph.differentiate import symbols_in
 from ...graph.graph import BIT, Kind
 from ...indices import parted
@@ -21,6 +21,7 @@ from ..derive.lagrange import derived_again
 from ..drop_coordinates import without
 from ..motion import STATE
 from ..report import ReportLine
+from ..structure import Structure
 from .apart import parts_of
 from .cyclic import cyclic
 from .reduction import Needs, State, cost

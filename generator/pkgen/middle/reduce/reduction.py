@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...equations import Equations, Structure
+from ...equations import Equations
 from ...graph.count import operations
 from ...graph.graph import Graph
 from ...record import record
 from ..analyze.analyze import analyze
 from ..derive.lagrange import derived_again
 from ..report import Report, ReportLine
+from ..structure import Structure
 
 # The kernels that are derived for the equations between two reductions.
 ENOUGH = frozenset({"acceleration"})

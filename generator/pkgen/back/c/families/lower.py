@@ -7,12 +7,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from ....equations import Structure
 from ....graph.affine import Affine
 from ....middle.families.equations import FamilyEquations, Limit
 from ....middle.families.indices import size_values
+from ....middle.structure import Structure
 from ...facts import facts, invariants
 from ...kernels import KERNELS
+from ...kernels import kernel as spec_of
 from .. import tables
 from ..describe import labelled
 from ..helpers import helpers
@@ -26,7 +27,7 @@ from .kernels import BLOCK, Terms, Vector
 from .memory import memory_regions
 from .places import M
 from .plan import TOTALS, VECTORS, divides, watches_momenta, within
-from .prepared import Prepared
+from .prepared import SAMPLING, Prepared
 from .rows import extreme
 from .switches import described as switches
 from .text import KernelText
@@ -125,8 +126,12 @@ class _Context(Prepared):
             "answered": answered,
             "pulled": "slopes_closed" in plan.matrices and bool(e.bound or e.solved),
             "scalar_kernels": [k for k in TOTALS if k in plan.totals],
-            "says": {name: KERNELS[name].says for name in (*VECTORS, *TOTALS, *self.outputs)},
+            "says": {name: spec_of(name).says for name in (*VECTORS, *TOTALS, *self.outputs)},
             "outputs": {k: x.statements for k, x in self.outputs.items() if self._there(k)},
+            "arrays": {k: SAMPLING.get(k, ("out",)) for k in self.outputs},
+            "reset_kernels": [x.kernel for x in model.resetting],
+            "held": tables.held(e),
+            "reset_events": tables.reset_events(e),
             **introspection.outputs_of_members(e, self.places, plan),
             "singularities": list(introspection.singularities(e)),
             "pivots": ("mass" if divides(e) else "pivots") if e.pivots else "",
@@ -308,7 +313,7 @@ class _Context(Prepared):
         found = {"acceleration": ("a",)} | {k: VECTORS.get(k, ()) for k in self.kernels}
         found |= {"singularity": out} if e.singularities or e.pivots else {}
         found |= {"switching": out} if e.switches else {}
-        found |= {k: out for k in self.outputs if self._there(k)}
+        found |= {k: SAMPLING.get(k, out) for k in self.outputs if self._there(k)}
         return {
             name: {"name": name, "result": KERNELS[name].result, "given": ()}
             | {"outputs": [{"name": output} for output in found[name]]}

@@ -203,7 +203,7 @@ def _plan_before(e: FamilyEquations, make: Builder, plan: Plan) -> None:
     below, states = make.slots.below, {g.name: g for g in e.states}
     passes = {item.name: k for k, found in enumerate(e.along) for item in found}
     nodes = [node for block in plan.blocks for node in block.nodes]
-    nodes += [*e.observed, *e.conserved, *e.events, *(n for x in e.given.values() for n in x)]
+    nodes += [*e.told, *(n for x in e.given.values() for n in x)]
     seen: set[Slot] = set()
     while nodes:
         found = [slot for slot in below(*nodes) if slot not in seen]

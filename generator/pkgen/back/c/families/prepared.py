@@ -22,6 +22,9 @@ from .steps import has_steps, lag_of
 from .switches import sides
 from .vectors import VectorText
 
+# The arrays to which the kernels of outputs write; the others write to `out`.
+SAMPLING = {"sampling": ("times", "held")}
+
 
 class Prepared:
     """The kernels of a model, lowered."""
@@ -62,6 +65,8 @@ class Prepared:
             "observe": Block(list(self._observed()), INNER),
             "conserve": Block.of(STORE, "out[{}]", e.conserved, INNER),
             "event": Block.of(STORE, "out[{}]", e.events, INNER),
+            **self._samples(e),
+            **dict(zip((x.kernel for x in e.model.resetting), self._resets(e), strict=True)),
         }
         blocks = [
             *self.plan.blocks,
@@ -86,6 +91,29 @@ class Prepared:
         for first, item in zip(self.places.observed, self.e.outputs, strict=False):
             if item.lo is None:
                 yield Target(STORE, f"out[{self.places.index(first)}]", (item.node,))
+
+    def _samples(self, e: FamilyEquations) -> dict[str, Block]:
+        """Returns the kernels of sample blocks: see SAMPLING."""
+        if not e.sampled:
+            return {}
+        n, blocks = len(e.inputs), e.model.samples
+        times = [Target(STORE, f"times[{k}]", (x,)) for k, x in enumerate(e.sample_times)]
+        held = [Target(STORE, f"held[{k}]", (x,)) for k, x in enumerate(e.held_start)]
+        found = {"sampling": Block([*times, *held], INNER)}
+        for k, block in enumerate(blocks):
+            row = e.sampled[k * n : (k + 1) * n]
+            found[block.kernel] = Block.of(STORE, "out[{}]", row, INNER)
+        return found
+
+    def _resets(self, e: FamilyEquations) -> Iterator[Block]:
+        """Yields the kernels of events that give values: all of q, then of v, then of u."""
+        of_v = e.count - e.first_order
+
+        def place(x: Assigned) -> str:
+            return self.places.index(self.places.flat(x.name, x.lo) + (of_v if x.order else 0))
+
+        for given in e.resets:
+            yield Block([Target(STORE, f"out[{place(x)}]", (x.node,)) for x in given], INNER)
 
     def _assigned(self, item: Assigned, parameter: bool = False) -> Assignment:
         index = self.places.index
