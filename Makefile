@@ -61,7 +61,7 @@ test-python: $(TESTS)
 
 # SHARD=K/N: the Kth of N parts that take as long; the C tests in quad precision belong to the first shard.
 test-long: $(TESTS)
-	@$(if $(filter-out 1/%,$(SHARD)),:,$(MAKE) -s check-runtime-quad-inlined test-each-addon)
+	@$(if $(filter-out 1/%,$(SHARD)),:,$(MAKE) -s check-runtime-inlined check-runtime-quad-inlined test-each-addon)
 	$(PYTHON) -m pytest -q -n 2 --dist loadgroup -m long $(if $(SHARD),--shard $(SHARD))
 
 # Hours: measures every test, whose times say which are quick and which shard has them.

@@ -17,9 +17,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 STORE = ROOT / "tests" / "durations.json"
-QUICK, BUDGET = 1.0, 0.5  # s: of a case, of a function's cases
-SEED, SEEDS = 3.0, 1.2  # s: the same for cases by a fixed seed
-LONGEST = 0.7  # s: of a case of these
+QUICK, BUDGET = 1.0, 0.4  # s: of a case, of a function's cases
+SEED, SEEDS = 3.0, 1.0  # s: the same for cases by a fixed seed
+LONGEST = 0.6  # s: of a case of these
 LONG_TABLE, DAYS = 50, 3  # a function with more long cases runs a third of them each day
 KEPT = {
     "tests/test_docs.py": "examples of the docs run",

@@ -77,7 +77,7 @@ def _smooth(equations: AnyEquations, structure: Structure) -> str:
     said = f"between zeros of {', '.join(shown)}, which a run locates"
     if structure.switched:
         return said
-    return f"no: kinks elsewhere, or roots of what bends: take small steps there; {said}"
+    return f"no: roots of what bends, or kinks elsewhere; {said}"
 
 
 def _impulses(equations: Equations) -> str:

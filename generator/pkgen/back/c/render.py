@@ -211,10 +211,14 @@ def _environment() -> jinja2.Environment:
     return made
 
 
+def source_of(header: str) -> str:
+    path = Path(pkgen_runtime.__file__).parent / "include" / "pk" / header
+    return path.read_text(encoding="utf-8")
+
+
 def pasted(header: str) -> str:
     """Returns the text of a header in runtime/include/pk, without those that it includes."""
-    path = Path(pkgen_runtime.__file__).parent / "include" / "pk" / header
-    return re.sub(r"#include <pk/.*>\n+", "", path.read_text(encoding="utf-8"))
+    return re.sub(r"#include <pk/.*>\n+", "", source_of(header))
 
 
 # The licence of a header.

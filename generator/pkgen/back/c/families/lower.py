@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from ....graph.affine import Affine
@@ -18,12 +19,13 @@ from .. import tables
 from ..describe import labelled
 from ..helpers import helpers
 from ..program import FamilyProgram, operations_text
-from ..render import frame, pasted, unguarded
+from ..render import frame, pasted
 from ..tree import Scope, rendered
 from . import introspection, parameters
 from .bound import Layout, bound_context, layout_of_k, layout_of_slopes
 from .chain import chain_context
-from .kernels import BLOCK, Terms, Vector
+from .headers import headers
+from .kernels import Terms, Vector
 from .memory import memory_regions
 from .places import M
 from .plan import TOTALS, VECTORS, divides, watches_momenta, within
@@ -171,7 +173,7 @@ class _Context(Prepared):
             "numbers": self.numbers,
         }
         found |= {
-            "headers": self._headers(layouts),
+            "headers": partial(headers, self.block),
             "vector_texts": self.vectors,
             "total": self._total,
         }
@@ -192,28 +194,6 @@ class _Context(Prepared):
             found["K"] = layout_of_k(self.e, self.plan, self.numbers)
         if self.plan.slopes is not None:
             found["slopes"] = layout_of_slopes(self.e, self.plan.slopes, self.numbers)
-        return found
-
-    def _headers(self, layouts: dict[str, Layout]) -> list[str]:
-        """Returns the headers of the runtime that the model needs."""
-        plan = self.plan
-        matrices = bool(layouts or plan.made)
-        lists = bool(plan.singularities or plan.switches or self.e.pivots or matrices)
-        homes = self.readers.use_homes or any(x.has_ends for x in self.vectors.values())
-        pairs = any(terms.is_pairs for terms in plan.all_terms)
-        filled = not all(x.is_direct for x in self.vectors.values())
-        filled |= self.fused or pairs or bool(plan.observed or matrices or plan.chain)
-        angles = any(terms.block.trig for terms in plan.all_terms)
-        names = ["members.h"]
-        names += ["members_angles.h"] * angles
-        names += ["members_rows.h"] * filled
-        names += ["members_ends.h"] * (homes or matrices)
-        names += ["members_list.h"] * lists
-        names += ["ldl.h", "members_band.h"] * matrices
-        names += ["members_chain.h"] * bool(plan.made)
-        names += ["members_steps.h"] * self.fused
-        found = [*map(unguarded, names)]
-        found[0] = found[0].replace(f"PK_BLOCK {BLOCK} ", f"PK_BLOCK {self.block} ")
         return found
 
     def _vector(self, text: KernelText, vector: Vector) -> str:

@@ -179,10 +179,6 @@ class Readers:
         return self.ends(g, slot.kind not in (*inner, "let", "lambda"))
 
     @property
-    def use_homes(self) -> bool:
-        return any(self._ends(Slot(*key)).are_members for key in self._read)
-
-    @property
     def text(self) -> str:
         return "".join(
             self._text(Slot(*key, variable("i")), own) for key, own in self._read.items()
