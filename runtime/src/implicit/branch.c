@@ -21,7 +21,8 @@
  * Derivatives are sampled at the stages, so this is no proof over all states between them. The
  * norms are those of pk_gauss_norm, so that units do not matter. If derivatives are band matrices,
  * J1^-1 J2 is dense: twice the spectral radius of J1^-1 J2 - I, by a power iteration, replaces its
- * norm. A radius below 1 suffices for all matrices from J1 to J2 to be regular.
+ * norm. A radius below 1 suffices for all matrices from J1 to J2 to be regular. So does a radius of
+ * J1^-1 J2 - c I below c: then no eigenvalue of J1^-1 J2 is 0 or negative.
  *
  * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.14 (existence
  * and uniqueness); P. Deuflhard, Newton Methods for Nonlinear Problems, 5.1 (continuation). */
@@ -31,6 +32,8 @@
 
 /* limit of the norms in tests 2 and 3 above; below 1, J1 to J2 are regular */
 #define REGULAR PK_C(0.95)
+#define SURE PK_C(0.75)    /* the same about another centre; the radius is not doubled there */
+#define MOST_OFF 8         /* more than this is not tried */
 #define STRAIGHT PK_C(0.5) /* limit of the norm in straight(), for the path from v0 to V */
 #define LASTING PK_C(0.3)  /* if derivatives change by less, no test is made in later steps */
 #define LEAST_LEAP PK_C(1e-4)
@@ -44,7 +47,7 @@ static pk_real apart(struct pk_gauss_work *w, const pk_real *J2, size_t stride, 
     pk_real *X = w->other.corner;
     pk_gauss_matrix(w, J2, stride, tau, 1, &w->other);
     if (!w->pattern.dense)
-        return pk_gauss_radius(w);
+        return 2 * pk_gauss_radius(w, 1);
     for (size_t j = 0; j < m; j++) {
         for (size_t i = 0; i < m; i++)
             w->x[i] = X[i * m + j];
@@ -68,7 +71,13 @@ static int factor(struct pk_integrator *it, struct pk_gauss_work *w, const pk_re
 static int leap(struct pk_integrator *it, struct pk_gauss_work *w, const pk_real *J1,
                 size_t stride1, pk_real tau1, const pk_real *J2, size_t stride2, pk_real tau2)
 {
-    const int near = apart(w, J2, stride2, tau2) < REGULAR;
+    const pk_real off = apart(w, J2, stride2, tau2);
+    int near = off < REGULAR;
+    if (!near && !w->pattern.dense && off < MOST_OFF) {
+        /* Stiff equations: eigenvalues are between 1 and 1 + off / 2 if J grows with tau. */
+        const pk_real centre = 1 + off / 4;
+        near = pk_gauss_radius(w, centre) < SURE * centre;
+    }
     if (!factor(it, w, J2, stride2, tau2))
         return 0;
     return near || apart(w, J1, stride1, tau1) < REGULAR;
@@ -122,12 +131,15 @@ static int bounded(const struct pk_gauss_work *w, const pk_real *J, pk_real h)
 static int regular(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t stride = 4 * w->nn;
+    const pk_real contraction = w->kept->contraction;
     pk_real at = 0, step = 1;
-    if (pk_finite(w->kept->contraction)) /* if the contraction bound is known */
-        step /= PK_F(sqrt)(pk_max(w->kept->contraction, 1));
+    if (pk_finite(contraction)) /* if the contraction bound is known */
+        step /= PK_F(sqrt)(pk_max(contraction, 1));
     if (!w->pattern.dense && bounded(w, w->start_J, it->own->h))
         return factor(it, w, w->jacobian, stride, 1);
-    if (!factor(it, w, w->jacobian, stride, at))
+    /* With additional unknowns pk_gauss_contraction() has left the factors of J(0) in w->lu. */
+    const int known = w->closed && contraction > PK_GAUSS_SURE_ONCE && pk_finite(contraction);
+    if (!known && !factor(it, w, w->jacobian, stride, at))
         return 0;
     for (int count = 0; at < 1 && count < MOST_POINTS; count++) {
         const pk_real to = pk_min(at + step, 1);

@@ -172,9 +172,9 @@ struct pk_band pk_gauss_band(const struct pk_gauss_work *w, pk_real *numbers);
 void pk_gauss_to_places(const struct pk_gauss_work *w, size_t s, const pk_real *x, pk_real *y);
 void pk_gauss_to_coordinates(const struct pk_gauss_work *w, size_t s, const pk_real *y, pk_real *x);
 
-/* Returns twice the spectral radius of J1^-1 J2 - I, estimated by a power iteration; J1 is factored
+/* Returns the spectral radius of J1^-1 J2 - shift I, estimated by a power iteration; J1 is factored
  * in w->lu, and J2 is in w->other. */
-pk_real pk_gauss_radius(const struct pk_gauss_work *w);
+pk_real pk_gauss_radius(const struct pk_gauss_work *w, pk_real shift);
 /* Returns a bound of the contraction factor of the fixed-point iteration with `count` sets of
  * derivatives; not finite if M is not positive definite. May overwrite w->lu if not dense. */
 pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,

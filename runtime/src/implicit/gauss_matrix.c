@@ -43,7 +43,11 @@ int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
             }
         pk_gauss_derivatives(it, w, it->t + it->own->h / 2, w->mean_q, w->mean_v, w->jacobian);
     }
-    w->kept->contraction = pk_gauss_contraction(it, w, w->jacobian, each ? s : 1);
+    /* In a stiff system the bound of the last step was no use, and branch.c computes another. */
+    const pk_real last = w->kept->last_contraction;
+    const int stiff = !w->pattern.dense && last > 4 * PK_GAUSS_SURE_ONCE && pk_finite(last);
+    w->kept->contraction = stiff ? PK_INFINITY
+                                 : pk_gauss_contraction(it, w, w->jacobian, each ? s : 1);
     w->kept->sure = 0;
     w->kept->fresh = 1;
     pk_gauss_matrix(w, w->jacobian, each ? 4 * w->nn : 0, 1, 1, &w->lu);
@@ -158,7 +162,7 @@ static pk_real quick_contraction(const struct pk_integrator *it, const struct pk
     return n > 1 ? PK_C(2.72) * sum / least : sum;
 }
 
-pk_real pk_gauss_radius(const struct pk_gauss_work *w)
+pk_real pk_gauss_radius(const struct pk_gauss_work *w, pk_real shift)
 {
     const size_t m = w->s * w->places;
     pk_real growth[TURNS], product = 1;
@@ -173,7 +177,7 @@ pk_real pk_gauss_radius(const struct pk_gauss_work *w)
         pk_band_add_product(&w->other, w->x, w->y);
         pk_band_solve(&w->lu, w->y);
         for (size_t i = 0; i < m; i++) {
-            w->y[i] -= w->x[i];
+            w->y[i] -= shift * w->x[i];
             if (!(pk_abs(w->y[i]) <= size)) /* written so that a NaN is not lost */
                 size = pk_abs(w->y[i]);
         }
@@ -184,15 +188,15 @@ pk_real pk_gauss_radius(const struct pk_gauss_work *w)
             const pk_real one = growth[turn - 1], two = growth[turn - 2];
             const pk_real most = pk_max(size, pk_max(one, two));
             const pk_real least = pk_min(size, pk_min(one, two));
-            if (most < SURELY_BELOW || least > SURELY_ABOVE)
-                return 2 * most;
+            if (most < SURELY_BELOW * shift || least > SURELY_ABOVE * shift)
+                return most;
         }
         for (size_t i = 0; i < m; i++)
             w->x[i] = w->y[i] / size;
     }
     for (int turn = TURNS / 2; turn < TURNS; turn++)
         product *= growth[turn];
-    return 2 * PK_F(pow)(product, PK_C(2.0) / TURNS);
+    return PK_F(pow)(product, PK_C(2.0) / TURNS);
 }
 
 /* Returns |M^-1 (J - M)|, for bands an upper bound. */
@@ -233,7 +237,7 @@ pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gau
         it->own->flags &= ~PK_HAVE_LU;
         pk_gauss_matrix(w, J, stride, 0, 1, &w->lu);
         pk_gauss_matrix(w, J, stride, 1, 1, &w->other);
-        return pk_band_factor(&w->lu) ? pk_gauss_radius(w) : PK_INFINITY;
+        return pk_band_factor(&w->lu) ? 2 * pk_gauss_radius(w, 1) : PK_INFINITY;
     }
     const pk_real quick = quick_contraction(it, w, J, count);
     if (quick <= PK_GAUSS_SURE || !pk_finite(quick))
