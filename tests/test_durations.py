@@ -2,7 +2,7 @@
 
 from durations import LONG_TABLE, of_day, parted, renewed, seconds_of, shard, slow
 
-STORE = {"a.py::f": {"x": 0.2, "y": 0.25, "z": 3.0}, "a.py::g": {"": 2.5}, "a.py::h": {"0": 2.9}}
+STORE = {"a.py::f": {"x": 0.2, "y": 0.2, "z": 3.0}, "a.py::g": {"": 2.5}, "a.py::h": {"0": 2.9}}
 
 
 def test_a_case_of_another_name_takes_as_long_as_the_slowest() -> None:
@@ -37,6 +37,6 @@ def test_shards_take_as_long_and_have_each_test_once() -> None:
 def test_what_was_measured_replaces_and_what_is_quick_leaves() -> None:
     found = {"a.py::g": {"": 0.1}, "a.py::f": {"x": 9.0}, "b.py::f": {"": 0.1}}
     assert renewed(STORE, found) == {
-        "a.py::f": {"x": 9.0, "y": 0.25, "z": 3.0},
+        "a.py::f": {"x": 9.0, "y": 0.2, "z": 3.0},
         "a.py::h": {"0": 2.9},
     }

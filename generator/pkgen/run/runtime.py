@@ -44,7 +44,8 @@ QUICK = ("src/core", "src/explicit", "src/implicit", "src/integrate", "src/varia
 HOT = (
     *("src/ensemble/*.c", "src/variational/*.c"),
     *("src/explicit/embedded.c", "src/explicit/erk.c", "src/explicit/splitting.c"),
-    *("src/core/band.c", "src/core/scale.c", "src/implicit/gauss_*.c"),
+    *("src/core/band.c", "src/core/scale.c"),
+    *("src/implicit/gauss_dense.c", "src/implicit/gauss_matrix.c", "src/implicit/gauss_places.c"),
     *("src/constraints/project.c", "src/watch/diagnostics.c"),
     *("src/events/events_look.c", "src/events/crossings.c", "run/diagnose/adjoint*.c"),
 )
