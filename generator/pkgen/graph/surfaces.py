@@ -39,11 +39,17 @@ class Surfaces:
 
 
 def argument_of(g: Graph, node: Node) -> Node:
-    """Returns the argument at whose zeros a call has a kink or a jump, without a numeric factor;
-    ZERO for any other node."""
+    """Returns the argument at whose zeros a call has a kink or a jump, divided by its numeric
+    factor, whose sign is that of sign_of(); ZERO for any other node."""
     argument = _deciding(g, node)
     scale, rest = g.split(argument)
     return argument if g.op[scale] is not Op.NUMBER or rest == ONE else rest
+
+
+def sign_of(g: Graph, node: Node) -> int:
+    """Returns -1 if the numeric factor that argument_of() leaves out is negative, else 1."""
+    scale, rest = g.split(_deciding(g, node))
+    return -1 if g.op[scale] is Op.NUMBER and rest != ONE and g.value(scale) < 0 else 1
 
 
 def _deciding(g: Graph, node: Node) -> Node:

@@ -144,6 +144,7 @@ class _Context(Prepared):
             "switches": list(switches(e, self.places)),
             "with_lambda": any(slot.kind == "lambda" for slot in e.slots),
             "with_momenta": watches_momenta(e),
+            "stateless": ("sampling",),  # It is called without a state.
             "divides": divides(e),
             "same_as_force": self._same_as_force,
             "constant_mass": constant,

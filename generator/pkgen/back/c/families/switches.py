@@ -11,7 +11,7 @@ from typing import Any
 from ....graph.affine import ROW, Affine
 from ....graph.differentiate import reachable
 from ....graph.graph import VARIABLE, ZERO, Node, Symbol
-from ....graph.surfaces import Surfaces, argument_of
+from ....graph.surfaces import Surfaces, argument_of, sign_of
 from ....middle.derive.switches import free
 from ....middle.families.equations import FamilyEquations
 from ....middle.families.slots import Slots
@@ -52,7 +52,7 @@ def sides(
         if surface in known:
             k, side = known[surface]
             own = slots.node("side", str(k), at if e.switches[k].ranges[0] else None)
-            found[call] = g.data[own], sign * side
+            found[call] = g.data[own], sign * side * sign_of(g, call)
     return found
 
 
