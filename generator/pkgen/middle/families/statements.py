@@ -90,8 +90,10 @@ class Outputs:
         if lo != hi:
             raise NotKept(f"an event gives values to all members of '{item.name}'")
         group = x.coordinates.get(item.name)
-        if group is None or group.is_turn:
-            raise NotKept(f"an event gives '{item.name}', which is no coordinate or rate")
+        if group is None:
+            raise NotKept(f"an event gives '{item.name}', a memory cell or an input")
+        if group.is_turn:
+            raise NotKept(f"an event gives '{group.shown}', the rate of a rotation")
         if lo is not None:
             x.members.append((group.lo, group.hi, lo))
         order = 1 if group.is_state else item.order

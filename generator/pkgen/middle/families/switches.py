@@ -31,8 +31,6 @@ from .indices import size_values
 from .singularities import moves, outputs_of, shown
 from .slots import Slots
 
-_PAIRS = "a force or a rate jumps in a sum over pairs"
-
 
 class Members:
     """Shifts the indices in expressions so that the least index is m."""
