@@ -92,7 +92,7 @@ class Compilation:
     model: Model
     warnings: tuple[Diagnostic, ...]
     equations: Equations | FamilyEquations
-    structure: Structure  # a Structure if families are unrolled
+    structure: Structure
     report: Report
     program: Program | FamilyProgram
     files: dict[str, str]
@@ -146,7 +146,7 @@ def stages(
         if isinstance(equations, FamilyEquations):
             from .middle.families.proofs import with_proofs
 
-            equations = with_proofs(equations, file, use.of, symmetric)
+            equations = with_proofs(equations, symmetric)
     check_exact(*use.exact(declared))
     yield equations
     if isinstance(equations, FamilyEquations):
@@ -286,9 +286,9 @@ def _equations(
     declared = (*model.coordinates, *model.states)
     count = sum(f.count for f in families(model, declared).values())
     if flat:
-        reason = "asked for are some kernels, a self-test or the canonical form"
+        reason = "some kernels, a self-test or the canonical form were asked for"
     elif unroll is None:
-        reason = "single coordinates are looked at"
+        reason = "the command names single coordinates"
     elif count <= unroll:
         reason = "so few coordinates are faster as straight-line code"
     else:

@@ -109,12 +109,12 @@ class LoopedAt:
 
     def call(self, kernel: str, t, q, v, u, lengths: tuple[int, ...], result=None):
         """What a kernel returns, and the arrays of the lengths given that it writes."""
-        if self.restless:
+        if self.restless and q is not None:
             self.restless = False
             elsewhere = t + 1, [0.3 - x for x in q], [0.2 - x for x in v], u
             self.call("acceleration", *elsewhere, (self.n,), ctypes.c_int)
             self.restless = True
-        arrays = [(ctypes.c_double * max(1, len(x)))(*x) for x in (q, v, u)]
+        arrays = [None if x is None else (ctypes.c_double * max(1, len(x)))(*x) for x in (q, v, u)]
         outputs = [(ctypes.c_double * n)(*[9.875] * n) for n in lengths]
         function = self.of.function(kernel, result)
         value = function(ctypes.byref(self.params), ctypes.c_double(t), *arrays, *outputs)

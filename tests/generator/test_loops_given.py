@@ -15,7 +15,18 @@ def model(r: random.Random) -> str:
     """A chain beside a coordinate X and a state w, with two inputs that a block sets."""
     ends = r.choice(["fixed q[0] = 0, q[N+1] = sin(t)", "free q", "periodic q"])
     delay = r.choice(["", " delay 2"])
-    outside = r.choice(["sum(q[i]*q[i]', i = 1..N)", "X'", "w", "energy"])
+    kind = r.choice(["plain", "momenta", "multipliers", "carried"])
+    beside, own = {
+        "plain": ("", "energy"),
+        "momenta": ("observe P = p_q[2]*w", "w"),
+        "multipliers": ("constraint tie: q[1] = 0.3*X*q[2] + 0.1", "lambda_tie"),
+        "carried": (
+            "let x[0] = 0\nlet x[i = 1..N] = x[i-1] + sin(q[i])\n"
+            "kinetic sum(x[i]'^2/2, i = 1..N)\nobserve P = p_q[2]",
+            "x[N]",
+        ),
+    }[kind]
+    outside = r.choice(["sum(q[i]*q[i]', i = 1..N)", "X'", "w", own, own])
     given = r.sample(
         [
             "q[1]' = -0.8*q[1]'",
@@ -39,11 +50,12 @@ force q[N] = f
 force X = g - w
 rate w = X - w
 start q[i = 1..N] = 0.1*i
+{beside}
 sample control every k[1]/9{delay}
   set g = g/2 + q[N]' - {outside}
   set f = g*X - f
 end
-event hit: q[1] - 0.1 rising then {", ".join(given)}
+event hit: q[1] - 0.1 rising{"" if kind == "carried" else " then " + ", ".join(given)}
 event low: X falling
 """
 
@@ -57,17 +69,19 @@ def test_what_is_given_equals_the_unrolled_code(seed, tmp_path):
     for size in r.sample(range(3, 12), 2):
         unrolled, at = Written(text, size, tmp_path / f"n{size}"), loops.at(size)
         assert_start(unrolled, at)
-        n_q = at.n - 1
-        lengths = {"control_sample": (inputs,), "hit_reset": (n_q + at.n + inputs,)}
-        lengths["sampling"] = 2, inputs
+        n_q = at.n - loops.equations.first_order.value({"N": size})
+        lengths = {"control_sample": (inputs,), "event": (2,), "sampling": (2, inputs)}
+        if loops.equations.resets:
+            lengths["hit_reset"] = (n_q + at.n + inputs,)
         for _ in range(3):
             q, v = ([r.uniform(-2, 2) for _ in range(at.n)] for _ in range(2))
             state = r.uniform(0, 3), q, v, [r.uniform(-2, 2) for _ in range(inputs)]
             what = f"{text}N = {size}"
             assert_kernels(unrolled, at, state, what)
             for kernel, counts in lengths.items():
+                none = (state[0], None, None, state[3])  # The runtime calls `sampling` so.
                 _, expected = unrolled.call(kernel, *state)
-                _, found = at.call(kernel, *state, counts)
+                _, found = at.call(kernel, *(none if kernel == "sampling" else state), counts)
                 for one, other in zip(expected, found, strict=True):
                     assert_close(one, other, f"{what}: {kernel}", 100.0)
 

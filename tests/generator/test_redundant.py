@@ -164,7 +164,9 @@ def test_an_option_that_tells_rows_apart_is_refused(tmp_path):
     model = pkgen.load(str(path))
     assert model.run(until=1)["y"][-1] == pytest.approx(1, abs=1e-12)
     model.params["k"] = 1e-3
-    with pytest.raises(pkgen.RunError, match="the start breaks a constraint: b follows"):
+    with pytest.raises(
+        pkgen.RunError, match="the start, or an event, breaks a constraint: b follows"
+    ):
         model.run(until=1)
 
 

@@ -1174,7 +1174,7 @@ size_t fput_count(const struct fput_params *p)
     return (size_t)(p->N);
 }
 
-/* Whether every family has a member and no sum reaches where nothing is. */
+/* Whether every family has a member, and all members that the equations name exist. */
 static int fput_fits(const struct fput_params *p)
 {
     return p->N - 1 >= 0;

@@ -203,7 +203,7 @@ void fput_sizes(struct fput_params *p);
 /* Returns the number of degrees of freedom for the sizes in p. */
 size_t fput_count(const struct fput_params *p);
 
-/* Returns the bytes of the block, the memory for families of parameters; 0 also if a size is
+/* Returns the bytes of the block: the memory for families of parameters; 0 also if a size is
  * too small. The caller allocates the block, aligned for pk_real, and owns it; after a change
  * of sizes p needs a new block. */
 size_t fput_block_size(const struct fput_params *p);

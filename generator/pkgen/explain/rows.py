@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
-from ..graph.affine import OTHER, ROW, Affine, variable
+from ..graph.affine import COUNTERS, OTHER, ROW, Affine, variable
 from ..graph.differentiate import reachable
 from ..graph.graph import ZERO, Kind, Node, Op, Symbol
 from ..indices import indexed
@@ -21,7 +21,7 @@ from ..middle.analyze.sympy_bridge import plain, to_sympy, written_size
 from ..middle.families.constant_sums import within
 from ..middle.families.equations import FamilyEquations
 from ..middle.families.indexed_ir import Addend, Group, Over, Slot, Sum
-from ..middle.families.indices import COUNTERS, unlike_loops
+from ..middle.families.indices import unlike_loops
 from ..middle.families.slots import Slots
 from ..record import record
 

@@ -14,6 +14,8 @@ from ..tree import Add, Expr, Multiply, Name, Negate, Number
 ROW = "m"  # The loop variable over the rows of the equations of motion.
 OTHER = "j"  # The loop variable over the second member in a sum over pairs.
 LOOPS = (ROW, OTHER)
+# The loop variables of sums in initial values and parameters.
+COUNTERS = tuple(f"#{k}" for k in range(8))
 
 
 @record

@@ -32,7 +32,7 @@ class Surfaces:
         """Applies __call__ to the argument at whose zeros a function call has a kink or a jump.
         Returns (None, 0) if `node` is no such call."""
         g = self.graph
-        argument = _deciding(g, node)
+        argument = deciding(g, node)
         if argument == ZERO or not g.depends[argument] & VARIABLE:
             return None, 0
         return self(argument)
@@ -40,19 +40,14 @@ class Surfaces:
 
 def argument_of(g: Graph, node: Node) -> Node:
     """Returns the argument at whose zeros a call has a kink or a jump, divided by its numeric
-    factor, whose sign is that of sign_of(); ZERO for any other node."""
-    argument = _deciding(g, node)
+    factor; ZERO for any other node."""
+    argument = deciding(g, node)
     scale, rest = g.split(argument)
     return argument if g.op[scale] is not Op.NUMBER or rest == ONE else rest
 
 
-def sign_of(g: Graph, node: Node) -> int:
-    """Returns -1 if the numeric factor that argument_of() leaves out is negative, else 1."""
-    scale, rest = g.split(_deciding(g, node))
-    return -1 if g.op[scale] is Op.NUMBER and rest != ONE and g.value(scale) < 0 else 1
-
-
-def _deciding(g: Graph, node: Node) -> Node:
+def deciding(g: Graph, node: Node) -> Node:
+    """Returns the argument at whose zeros a call has a kink or a jump; ZERO for any other node."""
     if g.op[node] is not Op.CALL or FUNCTIONS[g.data[node]].smooth:
         return ZERO
     a, *b = g.args[node]

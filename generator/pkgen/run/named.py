@@ -118,7 +118,7 @@ def places(compilation: Compilation) -> dict[str, tuple[int, tuple[int, ...]]]:
 
 def parameters(compilation: Compilation) -> Named:
     """Returns the parameters by name, each with its flat index. place() converts a flat index to
-    those of the declaration and of the member in a family that is not written out."""
+    an index of the declaration and, in a family kept for any length, an index of the member."""
     return Named(compilation.program.equations.listed("param"))
 
 

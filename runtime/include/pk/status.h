@@ -28,7 +28,7 @@ PK_BEGIN
     X(PK_AMBIGUOUS_STEP, -13, "the equations of an implicit step have several solutions")    \
     X(PK_STEP_TOO_LONG, -14, "a step is too long to be of the motion")                       \
     X(PK_SLIDING, -15, "the motion stays where the equations change")                        \
-    X(PK_OFF_CONSTRAINTS, -16, "the start breaks a constraint")                              \
+    X(PK_OFF_CONSTRAINTS, -16, "the start, or an event, breaks a constraint")                \
     X(PK_NO_PROJECTION, -17, "the constraints cannot be fulfilled here")                     \
     X(PK_NO_PROGRESS, -18, "the steps get nowhere")                                          \
     X(PK_NO_IMPULSE, -19, "what the motion does where the equations jump is not determined") \

@@ -280,8 +280,10 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
             snprintf(more, sizeof more, "; and %s depends on %s%s", last,
                      *others ? others : "nothing that moves", alone);
         }
-        return snprintf(text, size, "%s: %s%s by %.3g%s", what, name,
-                        reason->kind == PK_REASON_ROW_RATE ? ", as rates go," : "", value, more);
+        char whole[1024];
+        snprintf(whole, sizeof whole, "%s: %s%s by %.3g%s", what, name,
+                 reason->kind == PK_REASON_ROW_RATE ? ", as rates go," : "", value, more);
+        return it->count.steps ? SAY("%s", whole) : snprintf(text, size, "%s", whole);
     }
     if (*others && inertia_hides(it, row))
         return SAY("%s: beside %s the multiplier of %s loses all digits: by their inertia these "

@@ -219,6 +219,22 @@ enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_re
     return PK_DONE;
 }
 
+enum pk_status pk_project_rates(struct pk_integrator *it, pk_real *q, pk_real *v)
+{
+    struct pk_projection w = pk_projection(it);
+    int moved;
+    if (!it->own->project || !w.c)
+        return PK_DONE;
+    w.t = it->t;
+    w.u = pk_eval_input(it, it->t);
+    const int singular = pk_project_inertia(&w, q, v);
+    if (singular)
+        return pk_eval_failed(it, it->t, q, v, singular);
+    pk_project_rows(&w, q, v);
+    pk_project_terms(&w, q, v);
+    return correct(it, &w, q, v, NULL, NULL, 1, &moved);
+}
+
 enum pk_status pk_project_step(struct pk_integrator *it)
 {
     const size_t n = it->n;

@@ -114,6 +114,8 @@ void pk_project_explain(struct pk_projection *w, size_t c, size_t row);
  * of a singular M, or PK_NO_PROJECTION, with kinds of reasons in internal.h. */
 enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v,
                           pk_real *low_q, pk_real *low_v, int *moved);
+/* Projects rates at positions that hold, however far the rates are off, in the metric of M. */
+enum pk_status pk_project_rates(struct pk_integrator *it, pk_real *q, pk_real *v);
 /* Projects the state in it->own->next, before it becomes the integrator's state. */
 enum pk_status pk_project_step(struct pk_integrator *it);
 /* Returns the status of an acceleration that failed because of dependent rows. */

@@ -323,6 +323,8 @@ static enum pk_status change(struct pk_actor *a, struct pk_integrator *it, pk_re
     pk_copy(a->u, a->next + n_q + n, system->n_inputs);
     if (system->contacts.n)
         PK_TRY(contacts(a, it, within));
+    else
+        PK_TRY(pk_project_rates(it, a->next, next_v(a)));
     a->acting = 0;
     a->stopped = 0;
     PK_TRY(pk_integrator_reset(it, it->t, a->next, next_v(a)));

@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from ...graph.affine import ROW, Affine, variable
+from ...graph.affine import COUNTERS, ROW, Affine, variable
 from ...graph.graph import Node
 from ...tree import Sum
 from .equations import Assigned, Limit, Summed
 from .expand import FamilyExpander, free_names
 from .indexed_ir import CELLS, NotKept, Slot
-from .indices import COUNTERS, Loop
+from .indices import Loop
 
 Range = tuple[str, Affine, Affine]
 MOVES = (*CELLS, "a", "input", "sum")  # kinds of symbols that initial values must not contain

@@ -24,7 +24,7 @@ from .statements import Outputs, bounds_of, defaults_of, given_of, starts_of
 from .switches import switches_of
 from .terms import terms
 
-# A model with one of these fields keeps no loops; the value is the reason.
+# A model that sets one of these fields is written out; the value is the reason.
 _UNROLLED = {
     "fast": "a part of the potential is named fast",
     "hamiltonian": "the model has a Hamiltonian",
@@ -165,7 +165,7 @@ def _forces(x: FamilyExpander, assembler: Assembler) -> None:
 
 
 def _check_apart(assembler: Assembler) -> None:
-    """Raises NotKept if a sum is added to a member other than those in it."""
+    """Raises NotKept if a sum over pairs is added to a member other than m."""
     for name in ("momenta", "pdot", "force", "mass"):
         for body in assembler.quantity(name):
             at = body.to[0][1]

@@ -134,7 +134,7 @@ class FamilyEquations:
     bounds: tuple[Bounded, ...]
     starts: tuple[Assigned, ...]
     limits: tuple[Limit, ...]
-    # As in Equations.
+    # Sample blocks: see the fields of the same names of Equations.
     sampled: tuple[Node, ...] = ()
     sample_times: tuple[Node, ...] = ()
     held_start: tuple[Node, ...] = ()
@@ -284,8 +284,8 @@ class FamilyEquations:
 
     @property
     def told(self) -> list[Node]:
-        """What kernels beside those of the motion compute: outputs, and what blocks and events
-        give."""
+        """The values of outputs, of sample blocks and of events, which no kernel of the motion
+        computes."""
         given = (x.node for assigned in self.resets for x in assigned)
         of_samples = (*self.sampled, *self.sample_times, *self.held_start)
         return [*self.observed, *self.conserved, *self.events, *of_samples, *given]

@@ -132,7 +132,7 @@ class FamilyExpander(Indices):
         name = expr.id
         index = None if expr.index is None else self.index(expr.index, loop)
         if index is None and name in loop:
-            return self.number(loop[name])
+            return self.slots.number(loop[name])
         if name in self.assigned:
             return self.assigned[name]
         if name in self.coordinates:

@@ -41,7 +41,7 @@ class Slot:
         variable, its time derivative, also in a given member.
     "param", "size", "index", "input": a parameter, a size, a loop variable, an input.
     "sum": the value of the sum over members whose number is the name.
-    "lambda": a multiplier of the constraint rows with this name.
+    "lambda": a multiplier of the constraint whose name this is.
     "hung_p", "hung_f": unknowns of a recurrence (jacobians_recurrences.py).
     "side": the side of a switch, whose number is the name.
     "place": an element of a C array, with its C text as name.

@@ -4,7 +4,6 @@ sizes under which the indexed members exist."""
 from __future__ import annotations
 
 from ...graph.affine import LOOPS, ROW, Affine, affine, extremes, variable
-from ...graph.graph import Node
 from ...indices import NotAnInteger
 from ...model import Coordinate, Model, Parameter, Range, State
 from ...record import record
@@ -13,8 +12,6 @@ from .indexed_ir import Group, NotKept
 from .slots import Slots
 
 Loop = dict[str, Affine]
-# Loop variables of sums in initial values and parameters.
-COUNTERS = tuple(f"#{k}" for k in range(8))
 
 
 @record
@@ -64,15 +61,6 @@ class Indices:
             raise NotKept(
                 f"an index is not a sum of sizes and a loop variable: {wrong.message}"
             ) from None
-
-    def number(self, at: Affine) -> Node:
-        """Returns a node with the value of an index expression."""
-        g = self.graph
-        total = g.number(at.constant)
-        for name, factor in at.terms:
-            kind = "index" if name in (*LOOPS, *COUNTERS) else "size"
-            total = g.add(total, g.multiply(g.number(factor), self.slots.node(kind, name)))
-        return total
 
     def limits_of(self, length: Affine | None, at: dict[str, tuple[Affine, Affine]]) -> list[Limit]:
         """Returns the conditions on the model's sizes under which all recorded members exist, and

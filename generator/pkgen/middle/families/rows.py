@@ -244,7 +244,7 @@ class Assembler:
 
         def swap(slot: Slot) -> Node | None:
             if slot.kind == "index" and slot.name == ROW:
-                return self.x.number(at)
+                return self.x.slots.number(at)
             if slot.at is None or not slot.at.factor(ROW):
                 return None
             return self.x.slots.node(slot.kind, slot.name, slot.at.replaced({ROW: at}))

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable
 
-from ...graph.affine import LOOPS, OTHER, ROW, Affine, variable
+from ...graph.affine import COUNTERS, LOOPS, OTHER, ROW, Affine, variable
 from ...graph.differentiate import reachable
 from ...graph.graph import ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.substitute import substituted
@@ -52,6 +52,15 @@ class Slots:
             self._places[slot] = len(self.all)
             self.all.append(slot)
         return self.graph.symbol(Symbol(_domain(slot), self._places[slot]))
+
+    def number(self, at: Affine) -> Node:
+        """Returns a node with the value of an index expression."""
+        g = self.graph
+        total = g.number(at.constant)
+        for name, factor in at.terms:
+            kind = "index" if name in (*LOOPS, *COUNTERS) else "size"
+            total = g.add(total, g.multiply(g.number(factor), self.node(kind, name)))
+        return total
 
     def of(self, node: Node) -> Slot | None:
         """Returns the Slot for which a symbol stands; None if the node is no such symbol."""

@@ -67,7 +67,7 @@ class Members:
 
         def swap(slot: Slot) -> Node | None:
             if slot.kind == "index":
-                return self._number(back)
+                return self.slots.number(back)
             if slot.at is None:
                 return None
             if name is None:
@@ -79,14 +79,6 @@ class Members:
             return self.slots.node(slot.kind, slot.name, there)
 
         return self.slots.swapped(node, swap)
-
-    def _number(self, at: Affine) -> Node:
-        g = self.g
-        total = g.number(at.constant)
-        for name, factor in at.terms:
-            kind = "index" if name == ROW else "size"
-            total = g.add(total, g.multiply(g.number(factor), self.slots.node(kind, name)))
-        return total
 
     def has_both(self, node: Node) -> bool:
         return len(_loops(self.slots.below(node))) > 1

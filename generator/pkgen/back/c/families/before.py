@@ -17,9 +17,12 @@ from .places import Places
 from .plan import Plan
 
 # A value to compute before terms: ("sum", number of the total), ("rate", name of the state),
-# ("let", number of the pass over members), or ("acceleration", "") for all accelerations.
+# ("let", number of the pass over members), ("acceleration", "") for all accelerations and
+# multipliers, ("momenta", "") for all momenta, or ("carried", "") for all carried values, which a
+# model's kernels compute before they call these functions.
 Key = tuple[str, str]
 STATE = "(p, t, q, v, u)"
+FIRST = ("acceleration", "momenta")  # Computed before all others: they compute totals anew.
 
 
 class Before:
@@ -36,6 +39,7 @@ class Before:
         self.e, self.places, self.plan, self.slots = e, places, plan, slots
         self.name = e.model.name
         self.states = {g.name for g in e.states}
+        self.carried = {g.name for g in e.carried_groups}
         self.passes = {item.name: k for k, found in enumerate(e.along) for item in found}
         self.of = {name: self._needed(blocks) for name, blocks in self._functions(outputs)}
 
@@ -64,13 +68,17 @@ class Before:
             return "sum", slot.name
         if slot.kind == "a" and slot.name in self.states:
             return "rate", slot.name
-        if slot.kind == "acc":
+        if slot.name in self.carried:
+            return "carried", ""
+        if slot.kind in ("a", "acc", "lambda"):
             return "acceleration", ""
+        if slot.kind == "p":
+            return "momenta", ""
         return ("let", str(self.passes[slot.name])) if slot.kind == "let" else None
 
     def _blocks(self, key: Key) -> list[Block]:
         kind, name = key
-        if kind == "acceleration":
+        if kind in (*FIRST, "carried"):
             return []
         if kind == "sum":
             return _of(self.plan.totals[f"sum_{name}"])
@@ -91,20 +99,29 @@ class Before:
 
         for key in self._below(blocks):
             need(key)
-        return sorted(done, key=lambda key: key[0] != "acceleration")
+        return sorted(done, key=lambda key: key[0] not in FIRST)
+
+    def reads(self, kind: str, function: str | None = None) -> bool:
+        """Returns whether the function, or any (None), reads values of this kind."""
+        functions = self.of if function is None else [function]
+        return any(key[0] == kind for name in functions for key in self.of.get(name, []))
 
     # -- as C text -----------------------------------------------------------------------------
 
-    def lines(self, *functions: str) -> str:
-        """Returns the C lines that compute the values that the given functions read."""
+    def lines(self, *functions: str, first: bool | None = None) -> str:
+        """Returns the C lines that compute the values that the given functions read: those of the
+        kinds FIRST alone, all others, or all (None)."""
         keys = dict.fromkeys(key for function in functions for key in self.of.get(function, []))
-        return "".join(f"    {self._line(*key)}\n" for key in keys)
+        found = [key for key in keys if first in (None, key[0] in FIRST) and key[0] != "carried"]
+        return "".join(f"    {self._line(*key)}\n" for key in found)
 
     def _line(self, kind: str, k: str) -> str:
         if kind == "sum":
             return f"{self.name}_sums(p)[{k}] = {self.name}_total_sum_{k}{STATE};"
         if kind == "acceleration":
             return f"{self.name}_accelerate{STATE};"
+        if kind == "momenta":
+            return f"{self.name}_momenta{STATE[:-1]}, {self.name}_momentum(p));"
         if kind == "let":
             return f"{self.name}_along_{k}{STATE};"
         return f"{self.name}_rate_{self.places.ids[k]}{STATE};"

@@ -28,7 +28,7 @@ from .headers import headers
 from .kernels import Terms, Vector
 from .memory import memory_regions
 from .places import M
-from .plan import TOTALS, VECTORS, divides, watches_momenta, within
+from .plan import TOTALS, VECTORS, divides, within
 from .prepared import SAMPLING, Prepared
 from .rows import extreme
 from .switches import described as switches
@@ -65,7 +65,7 @@ class _Context(Prepared):
         # add J^T lambda, for solved equations by one in which p = v and p' = a.
         own = {"force", "canonical"} if e.bound else {"canonical"} if e.solved else set()
         answered = plan.slopes is not None and plan.slopes.answered
-        accelerates = any(slot.kind == "acc" for slot in e.slots)
+        accelerates = self.before.reads("acceleration")
         banded = "inertia" in plan.matrices
         layouts = self._layouts()
         regions = memory_regions(e, self.places, plan, layouts, answered or accelerates)
@@ -142,9 +142,6 @@ class _Context(Prepared):
             "rated": [(ids[name], x, group(e.group(name))) for name, x in plan.rates.items()],
             "lets": [self._lets(k, found) for k, found in plan.along.items()],
             "switches": list(switches(e, self.places)),
-            "with_lambda": any(slot.kind == "lambda" for slot in e.slots),
-            "with_momenta": watches_momenta(e),
-            "stateless": ("sampling",),  # It is called without a state.
             "divides": divides(e),
             "same_as_force": self._same_as_force,
             "constant_mass": constant,

@@ -11,11 +11,10 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 
-from ....graph.affine import OTHER, ROW, Affine
+from ....graph.affine import COUNTERS, OTHER, ROW, Affine
 from ....graph.graph import Kind, Node, Symbol
 from ....middle.families.equations import FamilyEquations
 from ....middle.families.indexed_ir import Slot
-from ....middle.families.indices import COUNTERS
 from ...targets import LOAD, Target
 from ..expressions import Code, variable
 from ..hoist import Hoisting, rewritten

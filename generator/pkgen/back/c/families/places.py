@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ....graph.affine import Affine
+from ....graph.affine import COUNTERS, Affine
 from ....middle.families.equations import FamilyEquations
 from ....middle.families.indexed_ir import Group, Slot
-from ....middle.families.indices import COUNTERS, unlike_loops
+from ....middle.families.indices import unlike_loops
 from ....middle.families.slots import M
 from ..names import FIELD_RESERVED, Names
 

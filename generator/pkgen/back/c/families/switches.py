@@ -11,7 +11,7 @@ from typing import Any
 from ....graph.affine import ROW, Affine
 from ....graph.differentiate import reachable
 from ....graph.graph import VARIABLE, ZERO, Node, Symbol
-from ....graph.surfaces import Surfaces, argument_of, sign_of
+from ....graph.surfaces import Surfaces, deciding
 from ....middle.derive.switches import free
 from ....middle.families.equations import FamilyEquations
 from ....middle.families.slots import Slots
@@ -44,7 +44,7 @@ def sides(
     known = {surfaces(x.node)[0]: (k, surfaces(x.node)[1]) for k, x in enumerate(e.switches)}
     loose = free(g, roots)
     for call in reachable(g, roots, VARIABLE):
-        argument = argument_of(g, call)
+        argument = deciding(g, call)
         if argument == ZERO or call in loose:
             continue
         node, at = members(argument)
@@ -52,7 +52,7 @@ def sides(
         if surface in known:
             k, side = known[surface]
             own = slots.node("side", str(k), at if e.switches[k].ranges[0] else None)
-            found[call] = g.data[own], sign * side * sign_of(g, call)
+            found[call] = g.data[own], sign * side
     return found
 
 
