@@ -28,6 +28,7 @@ MODELS = {
     + OWN
     + "kinetic sum(omega(R[i]).x^2 + omega(R[i]).y^2 + 2*omega(R[i]).z^2, i = 1..N)\n"
     + "potential sum((R[i]*[1, 2, 0]).x*q[i], i = 1..N)\n"
+    + "event low: q[1] falling then omega(R[i = 1..N]) = -0.5*omega(R[i]), q[2] = 1\n"
     + BLOCK.format("1 - omega(R[2]).z"),
     "carried": "let x[0] = 0\nlet x[i = 1..N] = x[i-1] + sin(q[i])\n"
     + OWN

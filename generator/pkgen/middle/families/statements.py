@@ -55,12 +55,15 @@ class Outputs:
     def _members(self, item: Definition) -> Observed:
         x = self.x
         lo, hi, loop = x.over(item.range)
-        node = x.scalar(item.value, loop)
-        self.assembler.limits += x.limits_over(lo, hi)
-        for slot in x.slots.below(node):
+        return Observed(item, lo, hi, self._of_members(x.scalar(item.value, loop), lo, hi))
+
+    def _of_members(self, node: Node, lo: Affine, hi: Affine) -> Node:
+        """Returns the value for m = lo..hi, after a record of the members that must exist."""
+        self.assembler.limits += self.x.limits_over(lo, hi)
+        for slot in self.x.slots.below(node):
             if slot.at is not None and slot.at.factor(ROW):
                 self.assembler.member(slot, lo, hi)
-        return Observed(item, lo, hi, node)
+        return node
 
     def nodes(self, items: tuple[Definition | Event, ...]) -> tuple[Node, ...]:
         found = []
@@ -77,27 +80,24 @@ class Outputs:
 
     def resets(self) -> tuple[tuple[Assigned, ...], ...]:
         """Returns for each event with values after it the assignments of these values."""
-        found = tuple(
+        return tuple(
             tuple(map(self._given, event.then)) for event in self.x.model.events if event.then
         )
-        if found and self.x.carried:
-            raise NotKept("an event gives values in a model with values carried along a chain")
-        return found
 
     def _given(self, item) -> Assigned:
         x = self.x
         lo, hi, loop = x.over(item.range, item.index)
-        if lo != hi:
-            raise NotKept(f"an event gives values to all members of '{item.name}'")
         group = x.coordinates.get(item.name)
-        if group is None:
-            raise NotKept(f"an event gives '{item.name}', a memory cell or an input")
-        if group.is_turn:
-            raise NotKept(f"an event gives '{group.shown}', the rate of a rotation")
+        if group is None:  # a memory cell
+            return Assigned(item.name, 0, None, None, x.scalar(item.value, loop))
+        if item.range is not None and lo == hi:
+            loop[item.range.variable] = lo
+        order, node = 1 if group.is_state else item.order, x.scalar(item.value, loop)
         if lo is not None:
-            x.members.append((group.lo, group.hi, lo))
-        order = 1 if group.is_state else item.order
-        return Assigned(item.name, order, lo, hi, x.scalar(item.value, loop))
+            x.members += [(group.lo, group.hi, lo), (group.lo, group.hi, hi)]
+        if lo != hi:
+            node = self._of_members(node, lo, hi)
+        return Assigned(item.name, order, lo, hi, node)
 
 
 def _outputs(x: FamilyExpander) -> Iterator[Any]:

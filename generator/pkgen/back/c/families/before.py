@@ -50,8 +50,7 @@ class Before:
         chain = plan.chain and plan.chain.elimination
         yield "elimination", [b for rows in chain.mass for b in rows.vector.blocks] if chain else []
         for kernel, block in outputs.items():
-            observed = plan.observed.values() if kernel == "observe" else ()
-            yield kernel, [block, *_of(observed)]
+            yield kernel, [block, *_of(terms for terms, _ in plan.written.get(kernel, ()))]
         yield "singularity", _of(plan.singularities)
         yield "switching", _of(plan.switches)
         yield from ((what, _of(found)) for what, found in plan.totals.items())

@@ -32,22 +32,25 @@ def names(e: FamilyEquations) -> dict[str, Any]:
 
 
 def outputs_of_members(e: FamilyEquations, places: Places, plan: Plan) -> dict[str, Any]:
-    """Returns the outputs that have a value per index, and the total length of all outputs."""
+    """Returns by kernel the values with one per index, and the total length of all outputs."""
     index, count = places.index, places.observed[-1]
-    rows = [
-        {
-            "first": index(places.observed[k]),
-            "lo": index(e.outputs[k].lo),
-            "hi": index(e.outputs[k].hi),
-            "count": index(e.outputs[k].count),
-            "k": k,
-        }
-        for k in plan.observed
-    ]
+    rows = {
+        kernel: [
+            {"name": terms.name, "first": index(place), "lo": index(lo), "hi": index(hi)}
+            | {"count": index(hi - lo + 1)}
+            for terms, place in found
+            for lo, hi in [terms.over]
+        ]
+        for kernel, found in plan.written.items()
+    }
+    of_members = [k for k, x in enumerate(e.outputs) if x.lo is not None]
+    found = {
+        "written": rows,
+        "observed_rows": [*zip(of_members, rows.get("observe", ()), strict=True)],
+        "observed_count": index(count),
+    }
     sizes = size_values(e.model)
-    return {"observed_rows": rows, "observed_count": index(count)} | (
-        {"n_observed": count.value(sizes)} if rows else {}
-    )
+    return found | ({"n_observed": count.value(sizes)} if of_members else {})
 
 
 def singularities(e: FamilyEquations) -> Iterator[dict[str, str]]:

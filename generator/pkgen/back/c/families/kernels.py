@@ -10,13 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
+from ....graph.affine import OTHER
 from ....graph.collect import THOROUGH, fewest, settled
 from ....graph.differentiate import reachable
-from ....graph.graph import ZERO, Node
+from ....graph.graph import ZERO, Node, Op
 from ....middle.families.equations import FamilyEquations
 from ....middle.families.indexed_ir import Addend, Cell, Group, Over
 from ....middle.families.slots import Slots
-from ...targets import STORE, Target
+from ...targets import ADD, STORE, Target
 from .blocks import TERMS, Block
 from .merge import merged, moves
 from .places import Places
@@ -36,10 +37,14 @@ class Terms:
     over: Over
     nodes: list[Node]
     sequence: bool = False  # whether members are computed one after the other
+    # Of pairs m and j, the values that are also added to rows j, o[len(nodes)] and following.
+    added: tuple[Node, ...] = ()
     block: Block = field(init=False)
 
     def __post_init__(self) -> None:
         targets = [Target(STORE, f"o[{r}][k]", (node,)) for r, node in enumerate(self.nodes)]
+        first = len(self.nodes)
+        targets += [Target(ADD, f"o[{first + r}][k]", (x,)) for r, x in enumerate(self.added)]
         self.block = Block(targets, TERMS, over=self.over, sequence=self.sequence)
 
     @property
@@ -105,9 +110,12 @@ class Builder:
         self.slots = Slots(e.graph, e.slots)
         self._known: dict[tuple, Terms] = {}
 
-    def terms(self, name: str, over: Over, nodes: list[Node]) -> Terms:
+    def terms(
+        self, name: str, over: Over, nodes: list[Node], added: tuple[Node, ...] = ()
+    ) -> Terms:
         """Returns terms with these values. Kernels with equal terms share their C function."""
-        return self._known.setdefault((over, tuple(nodes)), Terms(name, over, nodes))
+        made = Terms(name, over, nodes, added=added)
+        return self._known.setdefault((over, tuple(nodes), added), made)
 
     def kernel(self, name: str, outputs: Sequence[Iterable[Addend]], short: bool = True) -> Kernel:
         return Kernel(name, *self._made(name, outputs, short))
@@ -151,7 +159,10 @@ class Builder:
             places = [self._place(nodes, node) for node in shorter]
             parts = range(0, len(nodes), MOST_VALUES)
             own = [nodes[first : first + MOST_VALUES] for first in parts]
-            made = [self.terms(f"{name}_{len(terms) + k}", over, x) for k, x in enumerate(own)]
+            more = self._added(nodes, places, items) if len(over) == 4 and len(own) == 1 else ()
+            made = [
+                self.terms(f"{name}_{len(terms) + k}", over, x, more) for k, x in enumerate(own)
+            ]
             terms += made
             goals += [
                 Goal(made[value // MOST_VALUES], value % MOST_VALUES, sign, output, x.to)
@@ -159,6 +170,25 @@ class Builder:
                 if sign
             ]
         return terms, goals
+
+    def _added(
+        self,
+        nodes: list[Node],
+        places: list[tuple[int, int]],
+        items: list[tuple[int, Addend]],
+    ) -> tuple[Node, ...]:
+        """Returns what a term of pairs adds to rows j: one pass over memory in place of two. () if
+        two values are added to the same row, or if the function computes a value twice, as sines of
+        large arguments are."""
+        g, found = self.g, {}
+        if any(g.op[n] is Op.CALL and g.data[n] in ("sin", "cos") for n in reachable(g, nodes)):
+            return ()
+        for (value, sign), (output, x) in zip(places, items, strict=True):
+            if sign and of_second(x.to[0]):
+                if (output, x.to) in found:
+                    return ()
+                found[output, x.to] = nodes[value] if sign > 0 else g.negate(nodes[value])
+        return tuple(found.values())
 
     def _short(self, nodes: list[Node], short: bool) -> list[Node]:
         if not short or len(reachable(self.g, nodes)) > THOROUGH:
@@ -180,6 +210,11 @@ class Builder:
                 return k, -1
         nodes.append(node)
         return len(nodes) - 1, 1
+
+
+def of_second(cell: Cell) -> bool:
+    """Returns whether a cell is a member j, the second of a pair."""
+    return cell[1] is not None and bool(cell[1].factor(OTHER))
 
 
 def members_in(values: int) -> int:

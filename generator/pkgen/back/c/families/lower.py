@@ -227,7 +227,8 @@ class _Context(Prepared):
                 ]
                 parts.append(text.matrix(kernel, known, "slopes_", "K" not in layouts))
         parts += map(text.functions, (*plan.totals.values(), *plan.along.values()))
-        parts.append(text.functions(plan.observed.values()))
+        written = (terms for rows in plan.written.values() for terms, _ in rows)
+        parts.append(text.functions(written))
         parts.append(text.terms_table("singularity_terms", plan.singularities))
         parts.append(text.terms_table("switching_terms", plan.switches))
         if plan.chain:
@@ -300,7 +301,7 @@ class _Context(Prepared):
         }
 
     def _there(self, kernel: str) -> bool:
-        return bool(self.outputs[kernel].targets or (kernel == "observe" and self.plan.observed))
+        return bool(self.outputs[kernel].targets or kernel in self.plan.written)
 
     def _limit(self, limit: Limit) -> dict[str, str]:
         unless = "" if limit.unless is None else self.places.index(limit.unless)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ....graph.affine import COUNTERS, Affine
-from ....middle.families.equations import FamilyEquations
+from ....middle.families.equations import Assigned, FamilyEquations
 from ....middle.families.indexed_ir import Group, Slot
 from ....middle.families.indices import unlike_loops
 from ....middle.families.slots import M
@@ -70,6 +70,13 @@ class Places:
         """Returns the index in the arrays q, v, ...: of the member `at` of a family, or of a scalar
         coordinate if `at` is None."""
         return self.first[name] if at is None else self.first[name] + at - self._lo(name)
+
+    def given(self, x: Assigned) -> Affine:
+        """Returns the index of a value after an event in the array of all q, then all v and u."""
+        e, inputs = self.equations, [u.name for u in self.equations.inputs]
+        if x.name in inputs:
+            return e.count.times(2) - e.first_order + inputs.index(x.name)
+        return self.flat(x.name, x.lo) + (e.count - e.first_order if x.order else 0)
 
     def _lo(self, name: str) -> Affine:
         e = self.equations

@@ -15,6 +15,7 @@ from ...targets import RETURN
 from .blocks import INNER, Block
 from .chain import Chain
 from .kernels import Builder, Kernel, Terms, Vector
+from .places import Places
 from .recurrences import made_of
 from .switches import terms as switching
 
@@ -47,7 +48,8 @@ class Plan:
     totals: dict[str, list[Terms]] = field(default_factory=dict)
     rates: dict[str, Vector] = field(default_factory=dict)  # of states that others use
     along: dict[int, list[Terms]] = field(default_factory=dict)  # recurrent `let`s of each pass
-    observed: dict[int, Terms] = field(default_factory=dict)  # outputs with a value for each index
+    # By kernel, the values with one for each index: their terms, and the place of the first.
+    written: dict[str, list[tuple[Terms, Affine]]] = field(default_factory=dict)
     singularities: list[Terms] = field(default_factory=list)
     switches: list[Terms] = field(default_factory=list)
     chain: Chain | None = None
@@ -64,7 +66,8 @@ class Plan:
         for kernel in self.kernels:
             yield from kernel.terms
         yield from (x for found in (*self.totals.values(), *self.along.values()) for x in found)
-        yield from (*self.observed.values(), *self.singularities, *self.switches)
+        yield from (terms for rows in self.written.values() for terms, _ in rows)
+        yield from (*self.singularities, *self.switches)
 
     @property
     def all_terms(self) -> Iterator[Terms]:
@@ -139,9 +142,7 @@ def planned(e: FamilyEquations, make: Builder, kernels: frozenset[str]) -> Plan:
     if e.extended or (e.carried and "jacobian" in kernels):
         plan.made = made_of(e, make)
     _plan_bound(e, make, plan)
-    for k, item in enumerate(e.outputs):
-        if item.lo is not None:
-            plan.observed[k] = Terms(f"observe_{k}", (item.lo, item.hi), [item.node])
+    _plan_written(e, make.places, plan)
     for what in TOTALS:
         if what in kernels:
             plan.totals[what] = make.totals(what, getattr(e, what))
@@ -153,6 +154,23 @@ def planned(e: FamilyEquations, make: Builder, kernels: frozenset[str]) -> Plan:
     plan.switches = list(switching(e))
     _plan_before(e, make, plan)
     return plan
+
+
+def _plan_written(e: FamilyEquations, places: Places, plan: Plan) -> None:
+    """Plans outputs, and values after events, that have one value for each index."""
+
+    outputs = zip(e.outputs, places.observed, strict=False)
+    found = {"observe": [(x, place) for x, place in outputs if x.lo is not None]}
+    for event, given in zip(e.model.resetting, e.resets, strict=True):
+        found[event.kernel] = [(x, places.given(x)) for x in given if x.lo != x.hi]
+    plan.written = {
+        kernel: [
+            (Terms(f"{kernel}_{k}", (x.lo, x.hi), [x.node]), place)
+            for k, (x, place) in enumerate(rows)
+        ]
+        for kernel, rows in found.items()
+        if rows
+    }
 
 
 def _plan_divided(e: FamilyEquations, make: Builder, plan: Plan, kernels: frozenset[str]) -> None:

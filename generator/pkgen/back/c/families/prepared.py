@@ -107,13 +107,10 @@ class Prepared:
 
     def _resets(self, e: FamilyEquations) -> Iterator[Block]:
         """Yields the kernels of events that give values: all of q, then of v, then of u."""
-        of_v = e.count - e.first_order
-
-        def place(x: Assigned) -> str:
-            return self.places.index(self.places.flat(x.name, x.lo) + (of_v if x.order else 0))
-
+        index, place = self.places.index, self.places.given
         for given in e.resets:
-            yield Block([Target(STORE, f"out[{place(x)}]", (x.node,)) for x in given], INNER)
+            single = [(index(place(x)), x.node) for x in given if x.lo == x.hi]
+            yield Block([Target(STORE, f"out[{at}]", (node,)) for at, node in single], INNER)
 
     def _assigned(self, item: Assigned, parameter: bool = False) -> Assignment:
         index = self.places.index

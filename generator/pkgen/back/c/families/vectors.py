@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from ....graph.affine import OTHER, Affine, variable
 from ....middle.families.indexed_ir import Group
 from ..tree import If, Loop, Node, Scope, rendered
-from .kernels import Goal, Terms
+from .kernels import Goal, Terms, of_second
 from .kicks import drift, kick
 from .places import M, Places
 from .rows import Rows, unused
@@ -165,11 +165,16 @@ class VectorText(Rows):
 
     def _pairs(self, terms: Terms, out: Sequence[str]) -> Iterator[Node]:
         lines: list[Node] = []
+        added: list[str] = []
         for goal in self.of.goals_of(terms):
             (name, at), sign = goal.to[0], "-" if goal.sign < 0 else "+"
             own = self.places.first[name]
-            if at is not None and at.factor(OTHER):
+            if of_second(goal.to[0]):
                 place = own + at.replaced({OTHER: variable("from")}) - self._lo(name)
+                where = f"{out[goal.output]} + {self.index(place)}"
+                if terms.added:
+                    added.append(f"o[{len(terms.nodes) + len(added)}] = {where};")
+                    continue
                 text = f"{out[goal.output]}[{self.index(place)} + k] {sign}= o[{goal.value}][k];"
                 lines.append(Loop("k = 0; k < n; k++", [text]))
                 continue
@@ -183,23 +188,27 @@ class VectorText(Rows):
                     ]
                 )
             )
-        yield Scope([*pair_loop(self.model, self.places, terms, lines)])
+        yield Scope([*pair_loop(self.model, self.places, terms, lines, added)])
 
     def _lo(self, name: str) -> Affine:
         return next(g.lo for g in self.of.families if g.name == name)
 
 
-def pair_loop(model: str, places: Places, terms: Terms, lines: Sequence[Node]) -> Iterator[Node]:
+def pair_loop(
+    model: str, places: Places, terms: Terms, lines: Sequence[Node], added: Sequence[str] = ()
+) -> Iterator[Node]:
     """Yields the lines that evaluate terms of pairs, n at a time, and use them by `lines`: value k
-    is o[k][0], o[k][1], ..."""
+    is o[k][0], o[k][1], ... The lines `added` set the arrays to which terms add values."""
     lo, hi, first, last = map(places.index, terms.over)
     count = len(terms.nodes)
     to = ", ".join(f"pairs + {k} * PK_BLOCK" if k else "pairs" for k in range(count))
-    yield f"pk_real pairs[{count} * PK_BLOCK], *const o[] = {{{to}}};"
+    room = f"o[{count + len(added)}]" if added else "const o[]"
+    yield f"pk_real pairs[{count} * PK_BLOCK], *{room} = {{{to}}};"
     yield f"ptrdiff_t m, from, n{', k' if any(isinstance(x, Loop) for x in lines) else ''};"
     yield ""
     inner = [
         f"n = pk_least(PK_BLOCK, {last} + 1 - from);",
+        *added,
         f"{model}_{terms.name}(x, m, from, n, o);",
         *lines,
     ]
