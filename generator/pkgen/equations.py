@@ -267,8 +267,8 @@ class Named:
 
 
 class AnyEquations(Protocol):
-    """Equations that are written out (Equations) or kept for families of any length
-    (middle/families): what runs and reports know of them, without asking which they are."""
+    """The fields that runs and reports read, both of equations that are written out (Equations)
+    and of equations of families of any length (middle/families)."""
 
     model: Model
     graph: Graph

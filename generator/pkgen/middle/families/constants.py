@@ -1,10 +1,10 @@
-"""Proves for every length of the families that a quantity A is constant.
+"""Proves for families of any length that a quantity A is constant.
 
 dA/dt is written as a sum of terms over ranges of the index m, by the chain rule and M a = f for a
 diagonal M. Each term is a monomial. The index of a monomial is shifted so that its least index is
-m: sums of the same monomial then differ in their ranges only, so that their difference is a few
-terms at the ends of the ranges, where given members have their values. dA/dt = 0 if the
-coefficients of all monomials vanish. None of these steps uses the value of a size.
+m. Two sums of one monomial then differ only in their ranges. Their difference is a few terms at the
+ends; members beyond an end of a family have known values there. dA/dt = 0 if the coefficients of
+all monomials vanish. The steps are valid for all sizes for which no range is empty.
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ from ...graph.graph import BIT, ONE, VARIABLE, ZERO, Kind, Node, Op
 from ...graph.normal import Monomial, Normal
 from .equations import FamilyEquations
 from .indexed_ir import CELLS, Addend, Cell, Group, Over, Slot, nodes_of, of_name
+from .indices import size_values
 from .slots import J, M, Slots
 
-# The largest number of terms that remain at one end of a range.
+# The largest distance of two ends of ranges whose difference is written out.
 ENDS = 40
 
 
@@ -30,12 +31,13 @@ class Unknown(Exception):
     """dA/dt cannot be written as a sum of terms. The text is the reason."""
 
 
-class Rate:
+class TimeDerivative:
     """The time derivative of one quantity, as addends over ranges of indices."""
 
     def __init__(self, e: FamilyEquations):
         self.e, self.g, self.slots = e, e.graph, Slots(e.graph, e.slots)
         self.groups = {g.name: g for g in e.coordinates}
+        self.sizes = size_values(e.model)
 
     def vanishes(self, node: Node) -> bool:
         """Returns whether the time derivative of the quantity `node` is 0 at every length."""
@@ -51,13 +53,34 @@ class Rate:
             or e.model.struck
             or any(g.is_turn for g in e.coordinates)
         ):
-            raise Unknown("M is not diagonal, or constraints, rotations or events change rates")
-        below = reachable(g, [node, *nodes_of(*e.sums)], VARIABLE)
+            raise Unknown("M is not diagonal, or its rates follow constraints, rotations or events")
+        own = [*self._whole(node)]
+        below = reachable(g, own, VARIABLE)
         calls = [FUNCTIONS[g.data[n]] for n in below if g.op[n] is Op.CALL]
-        if any(row.jump or row.branched for row in calls) or any(
+        if any(row.jump for row in calls) or any(
             jumps(g, n) for n in reachable(g, nodes_of(e.lagrangian), VARIABLE)
         ):
             raise Unknown("it may jump")
+        roots = any(g.op[n] is Op.POWER and g.data[n].denominator > 1 for n in below)
+        motion = self._divisors(nodes_of(e.lagrangian, e.force, e.mass))
+        if (roots or any(row.branched for row in calls)) and self._divisors(own) - motion:
+            raise Unknown("it may jump where it divides by zero")
+
+    def _whole(self, node: Node) -> Iterator[Node]:
+        """Yields the node, and the nodes of the totals in it."""
+        yield node
+        for slot in self.slots.below(node):
+            if slot.kind == "sum":
+                for x in self.e.sums[int(slot.name)]:
+                    yield from self._whole(x.node)
+
+    def _divisors(self, nodes: list[Node]) -> set[Node]:
+        g = self.g
+        return {
+            g.args[n][0]
+            for n in reachable(g, nodes, VARIABLE)
+            if g.op[n] is Op.POWER and g.data[n] < 0
+        }
 
     # -- the chain rule -----------------------------------------------------------------------
 
@@ -87,12 +110,12 @@ class Rate:
         whole = (group.lo, group.hi) if group.is_family else ()
         if at is not None and len(over) == 2 and (at - M).is_constant:
             shift = (at - M).constant
-            slope = self._moved(slope, -shift)
+            slope = self.slots.shifted(slope, -shift)
             over = tuple(end + shift for end in over)
-            if group.periodic and over[1] - over[0] == group.hi - group.lo:
+            if self.goes_round(group, over, slope):
                 over = whole
         if over != whole or (at is not None and not over):
-            raise Unknown("it contains rates of single members")
+            raise Unknown("it has rates of some members of a family, not of all")
         if len(mass) != 1 or mass[0].over != whole or mass[0].to[0][1] not in (None, M):
             raise Unknown("M is a sum of several terms")
         slope = g.divide(slope, mass[0].node)
@@ -101,41 +124,63 @@ class Rate:
             if at in (None, M):
                 there = slope
             elif at == J:
-                there = self.at(slope, J)
+                there = self.at_index(slope, J)
             elif (at - M).is_constant:
-                there = self._moved(slope, (at - M).constant)
+                there = self.slots.shifted(slope, (at - M).constant)
             elif not x.over:
-                there = self.at(slope, at)
+                there = self.at_index(slope, at)
             else:
                 raise Unknown("a force on one member is a sum")
-            yield Addend(self._inside(x.over, at, group, slope), g.multiply(x.node, there))
+            if len(x.over) == 2 and at is not None:
+                yield from self._on_members(x, group, slope, there)
+            elif not self._is_given(x, group):
+                yield Addend(x.over, g.multiply(x.node, there))
 
-    def _inside(self, over: Over, at: Affine | None, group: Group, slope: Node) -> Over:
-        """Returns the part of a range for which the member `at` of a family exists, or is another
-        member beyond a free or periodic end."""
-        if len(over) != 2 or at is None:
-            return over
-        lo, hi = group.lo - (at - M), group.hi - (at - M)
-        beyond = lo - over[0], over[1] - hi
-        if not all(x.is_constant for x in beyond):
-            raise Unknown("its ranges have no fixed distance")
-        below, above = (max(x.constant, 0) for x in beyond)
-        if (below or above) and (group.periodic or any(x.kind == "free" for _, x in group.ends)):
-            self._moved(slope, 1)
-        given = {index for index, end in group.ends if end.kind == "fixed"}
-        return (
-            over[0] + (below if group.lo - 1 in given else 0),
-            over[1] - (above if group.hi + 1 in given else 0),
-        )
+    def _on_members(self, x: Addend, group: Group, slope: Node, there: Node) -> Iterator[Addend]:
+        """Yields the addends of a force on members m + c of a family: those for which the member
+        exists, and single ones for members beyond an end that stand for others."""
+        g, kinds = self.g, {index: end.kind for index, end in group.ends}
+        shift, over = (x.to[0][1] - M).constant, list(x.over)
+        for side, end, step in ((0, group.lo, -1), (1, group.hi, 1)):
+            beyond = (over[side] + shift - end).times(step)
+            if not beyond.is_constant:
+                raise Unknown("a range begins or ends at no fixed distance from an end")
+            for k in range(1, beyond.constant + 1):
+                member, kind = end + step * k, kinds.get(end + step * k)
+                over[side] = over[side] - step
+                if kind == "fixed":
+                    continue
+                if not (kind == "free" or group.periodic) or k > ENDS:
+                    raise Unknown("a force acts beyond an end")
+                own = end if kind == "free" else member - group.count.times(step)
+                node = self.at_index(x.node, member - shift)
+                yield Addend((), g.multiply(node, self.at_index(slope, own)))
+        yield Addend(tuple(over), g.multiply(x.node, there))
 
-    def _moved(self, node: Node, shift: int) -> Node:
-        """Returns a node with m replaced by m + shift, where cells alone depend on m."""
-        below = self.slots.below(node)
-        if shift and any(x.kind == "index" or (x.kind == "param" and x.at) for x in below):
-            raise Unknown("its terms differ from member to member")
-        return self.slots.shifted(node, shift)
+    def goes_round(self, group: Group, over: Over, node: Node) -> bool:
+        """Returns whether a range goes once around a periodic family, and the node depends on m by
+        members of such families alone."""
+        return over[1] - over[0] == group.hi - group.lo and self._is_round(group, node)
 
-    def at(self, node: Node, at: Affine) -> Node:
+    def _is_round(self, group: Group, node: Node) -> bool:
+        own = [x for x in self.slots.below(node) if of_row(x)]
+        rings = [self.groups[x.name] if x.kind in CELLS else None for x in own]
+        ends = group.lo, group.hi
+        same = all(x is not None and x.periodic and (x.lo, x.hi) == ends for x in rings)
+        return group.periodic and same
+
+    def _is_given(self, x: Addend, group: Group) -> bool:
+        """Returns whether a force on a single member acts on a given member."""
+        at = x.to[0][1]
+        if x.over or at is None:
+            return False
+        if any(index == at and end.kind == "fixed" for index, end in group.ends):
+            return True
+        if not group.lo.value(self.sizes) <= at.value(self.sizes) <= group.hi.value(self.sizes):
+            raise Unknown("a force acts beyond a free or periodic end")
+        return False
+
+    def at_index(self, node: Node, at: Affine) -> Node:
         """Returns a node with m replaced by an index."""
 
         def swap(slot: Slot) -> Node | None:
@@ -151,12 +196,11 @@ class Rate:
 class _Collected:
     """Addends, added up for each monomial."""
 
-    def __init__(self, rate: Rate, found: Iterable[Addend]):
+    def __init__(self, rate: TimeDerivative, found: Iterable[Addend]):
         self.rate, self.g, self.slots = rate, rate.g, rate.slots
         self.normal = Normal(self.g)
         self.single: list[Node] = []
-        # For each product of atoms that depend on m: the factors of its sums over all m up to an
-        # index.
+        # `upto[monomial][k]` has the factors of the sum of a monomial over all m <= k.
         self.upto: dict[Monomial, dict[Affine, list[Node]]] = {}
         self.pairs: dict[Over, list[Node]] = {}
         for x in found:
@@ -169,7 +213,7 @@ class _Collected:
                 self.pairs.setdefault(x.over, []).append(node)
 
     def _opened(self, node: Node) -> Node:
-        """Returns the node with the values of symbols for sums without a range."""
+        """Returns the node with totals that are no sums over members written out."""
 
         def swap(slot: Slot) -> Node | None:
             total = self.rate.e.sums[int(slot.name)] if slot.kind == "sum" else None
@@ -182,7 +226,9 @@ class _Collected:
     def is_zero(self) -> bool:
         self._totals()
         ends = all(self._ends(key, found) for key, found in self.upto.items())
-        return ends and all(map(self._zero, (*self.pairs.values(), map(self._there, self.single))))
+        return ends and all(
+            map(self._zero, (*self.pairs.values(), map(self._with_ends, self.single)))
+        )
 
     def _zero(self, nodes: Iterable[Node]) -> bool:
         return self.normal(self.g.sum(nodes)) == {}
@@ -193,7 +239,7 @@ class _Collected:
         if found is None:
             raise Unknown("its time derivative has too many terms")
         for monomial, coefficient in found.items():
-            own = tuple(x for x in monomial if any(map(_of_row, self.slots.below(x[0]))))
+            own = tuple(x for x in monomial if any(map(of_row, self.slots.below(x[0]))))
             rest = self._product(x for x in monomial if x not in own)
             yield own, self.g.multiply(self.g.number(coefficient), rest)
 
@@ -202,6 +248,8 @@ class _Collected:
 
     def _sum(self, node: Node, lo: Affine, hi: Affine) -> None:
         """Adds a sum over m = lo..hi."""
+        if (hi - lo).value(self.rate.sizes) < -1:
+            raise Unknown("one of its ranges is empty")
         for found, least in self._shifted(node):
             for key, factor in found:
                 first, last = lo + least, hi + least
@@ -218,27 +266,25 @@ class _Collected:
         """Yields each monomial with its indices shifted so that the least is m, and the shift."""
         for own, factor in self._monomials(node):
             slots = self.slots.below(*(x for x, _ in own))
-            places = [x.at for x in slots if _of_row(x) and x.kind != "index"]
+            places = [x.at for x in slots if of_row(x) and x.kind != "index"]
             if any(not (at - M).is_constant for at in places):
-                raise Unknown("its members stand at sums of indices")
+                raise Unknown("an index is not m plus a number")
             moves = not any(x.kind == "index" for x in slots)
             least = min(((at - M).constant for at in places), default=0) if moves else 0
             product = self.g.multiply(factor, self._product(own))
             yield list(self._monomials(self.slots.shifted(product, -least))), least
 
     def _ring(self, key: Monomial, lo: Affine, hi: Affine) -> tuple[Affine, Affine]:
-        """Returns the range lo..hi, or 1..N if it goes once around a periodic family and the
-        monomial contains its members alone."""
-        slots = [x for x in self.slots.below(*(x for x, _ in key)) if _of_row(x)]
-        groups = [self.rate.groups[x.name] if x.kind in CELLS else None for x in slots]
-        first = groups[0]
-        if first is None or any(x is None or not x.periodic for x in groups):
+        """Returns the range lo..hi; the range of the family if lo..hi goes once around it."""
+        product = self._product(key)
+        own = (x for x in self.slots.below(product) if of_row(x) and x.kind in CELLS)
+        group = next((self.rate.groups[x.name] for x in own), None)
+        if group is None or not self.rate.goes_round(group, (lo, hi), product):
             return lo, hi
-        same = all((x.lo, x.hi) == (first.lo, first.hi) for x in groups)
-        return (first.lo, first.hi) if same and hi - lo == first.hi - first.lo else (lo, hi)
+        return group.lo, group.hi
 
     def _totals(self) -> None:
-        """Replaces sums over members that have a symbol of their own."""
+        """Replaces a sum by the symbol of the total with the same terms."""
         for k, total in enumerate(self.rate.e.sums):
             if len(total) != 1 or len(total[0].over) != 2:
                 continue
@@ -264,11 +310,11 @@ class _Collected:
                 return False
             for k in range(least + 1, most + 1):
                 factors = self.g.sum(chain(*(x for at, x in each.items() if at >= k)))
-                term = self.rate.at(self._product(key), Affine(k, terms))
+                term = self.rate.at_index(self._product(key), Affine(k, terms))
                 self.single.append(self.g.multiply(factors, term))
         return True
 
-    def _there(self, node: Node) -> Node:
+    def _with_ends(self, node: Node) -> Node:
         """Returns the node with the values of members beyond the ends of their families."""
         e = self.rate.e
 
@@ -276,22 +322,26 @@ class _Collected:
             if slot.kind not in CELLS or slot.at is None:
                 return None
             given = e.given.get((slot.name, slot.at))
-            if given is not None and slot.kind in ("q", "v"):
-                return given[slot.kind == "v"]
+            if given is not None:
+                if self.g.depends[given[0]] & (BIT[Kind.TIME] | BIT[Kind.INPUT]):
+                    raise Unknown("an end moves")
+                return ZERO if slot.kind == "v" else given[0]
             group = self.rate.groups[slot.name]
-            below, above = group.lo - slot.at, slot.at - group.hi
-            if any(x.is_constant and x.constant > 0 for x in (below, above)):
-                is_low = below.is_constant and below.constant > 0
-                other = group.hi + 1 - below if is_low else group.lo - 1 + above
-                end = group.lo if is_low else group.hi
-                at = other if group.periodic else end
+            kinds = {index: end.kind for index, end in group.ends}
+            if kinds.get(slot.at) == "free":
+                at = group.lo if slot.at == group.lo - 1 else group.hi
                 return self.slots.node(slot.kind, slot.name, at)
+            below, above = group.lo - slot.at, slot.at - group.hi
+            if group.periodic and below.is_constant and below.constant > 0:
+                return self.slots.node(slot.kind, slot.name, group.hi + 1 - below)
+            if group.periodic and above.is_constant and above.constant > 0:
+                return self.slots.node(slot.kind, slot.name, group.lo - 1 + above)
             return None
 
         return self.slots.swapped(node, swap)
 
 
-def _of_row(slot: Slot) -> bool:
+def of_row(slot: Slot) -> bool:
     return (slot.kind == "index" and slot.name == ROW) or (
         slot.at is not None and bool(slot.at.factor(ROW))
     )

@@ -14,7 +14,7 @@ from ..analyze.proofs import OPEN, PROVED
 from ..derive import derive
 from ..quantities import families
 from ..structure import Claim, Invariant, Structure, Symmetries
-from .constants import Rate, Unknown
+from .constants import TimeDerivative, Unknown
 from .equations import FamilyEquations
 
 # The largest number of coordinates of a model that is unrolled to apply Noether's theorem.
@@ -29,12 +29,12 @@ def with_proofs(
     symmetric: bool,
 ) -> FamilyEquations:
     """Returns the equations with the outcome of each claim in their facts; with `symmetric`, also
-    with constants of the motion by Noether's theorem. A result is valid for the sizes given in the
-    model, unless it says more."""
+    with constants of the motion by Noether's theorem. A result names the sizes for which
+    it is valid."""
     model, facts = equations.model, equations.facts
     if not (model.conserved or symmetric):
         return equations
-    count = sum(f.count for f in families(model, model.coordinates).values())
+    count = sum(f.count for f in families(model, (*model.coordinates, *model.states)).values())
     if count <= PROVED_AT:
         structure = _analyzed(model, symmetric)
         found, at = structure.symmetries, f"with {sizes_text(model)}"
@@ -72,12 +72,18 @@ def _of_every_length(e: FamilyEquations, item: Definition, node: Node) -> Claim:
     if e.facts.conservative and isinstance(item.value, Name) and item.value.id == "energy":
         return Claim(item.name, PROVED, "neither time nor a force beyond L enters the equations")
     try:
-        if Rate(e).vanishes(node):
-            return Claim(item.name, PROVED, "by its normal form, with every length")
+        if TimeDerivative(e).vanishes(node):
+            return Claim(
+                item.name,
+                PROVED,
+                "by its normal form, with every length at which no range is empty",
+            )
         why = "its rate does not vanish term by term"
     except Unknown as unknown:
         why = str(unknown)
-    return Claim(item.name, OPEN, f"{why}; a trial is made up to {TRIED_AT} coordinates")
+    return Claim(
+        item.name, OPEN, f"{why}; more than {TRIED_AT} coordinates are not written out to try it"
+    )
 
 
 def _analyzed(model: Model, symmetric: bool = False) -> Structure:

@@ -18,8 +18,8 @@ from .plan import Plan
 
 # A value to compute before terms: ("sum", number of the total), ("rate", name of the state),
 # ("let", number of the pass over members), ("acceleration", "") for all accelerations and
-# multipliers, ("momenta", "") for all momenta, or ("carried", "") for all carried values, which a
-# model's kernels compute before they call these functions.
+# multipliers, ("momenta", "") for all momenta, or ("carried", "") for all carried values. The
+# model's kernels compute carried values before they call the function.
 Key = tuple[str, str]
 STATE = "(p, t, q, v, u)"
 FIRST = ("acceleration", "momenta")  # Computed before all others: they compute totals anew.
@@ -108,8 +108,8 @@ class Before:
     # -- as C text -----------------------------------------------------------------------------
 
     def lines(self, *functions: str, first: bool | None = None) -> str:
-        """Returns the C lines that compute the values that the given functions read: those of the
-        kinds FIRST alone, all others, or all (None)."""
+        """Returns the C lines that compute the values that the given functions read. `first`
+        selects: True for the kinds FIRST, False for the others, None for all."""
         keys = dict.fromkeys(key for function in functions for key in self.of.get(function, []))
         found = [key for key in keys if first in (None, key[0] in FIRST) and key[0] != "carried"]
         return "".join(f"    {self._line(*key)}\n" for key in found)

@@ -1,4 +1,4 @@
-"""The headers of the runtime that are pasted into the C of families: those whose names it has."""
+"""The headers of the runtime in the C of families: a header is pasted if the C uses its names."""
 
 from __future__ import annotations
 

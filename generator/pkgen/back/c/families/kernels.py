@@ -37,7 +37,7 @@ class Terms:
     over: Over
     nodes: list[Node]
     sequence: bool = False  # whether members are computed one after the other
-    # Of pairs m and j, the values that are also added to rows j, o[len(nodes)] and following.
+    # The values that a term of pairs m, j adds to rows j: o[len(nodes)] and the following.
     added: tuple[Node, ...] = ()
     block: Block = field(init=False)
 
@@ -177,9 +177,9 @@ class Builder:
         places: list[tuple[int, int]],
         items: list[tuple[int, Addend]],
     ) -> tuple[Node, ...]:
-        """Returns what a term of pairs adds to rows j: one pass over memory in place of two. () if
-        two values are added to the same row, or if the function computes a value twice, as sines of
-        large arguments are."""
+        """Returns the values that a term of pairs adds to rows j. The rows then take one pass over
+        memory instead of two. Returns () if two values go to one row, or if the function may
+        compute its values twice, as with sines."""
         g, found = self.g, {}
         if any(g.op[n] is Op.CALL and g.data[n] in ("sin", "cos") for n in reachable(g, nodes)):
             return ()
