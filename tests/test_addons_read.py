@@ -80,9 +80,11 @@ READ = {
         analysis.chart.chart analysis.chart.table analysis.chart.text analysis.stability.map
         analysis.stability.text compiler equations explain.contents explain.explain
         explain.flat explain.families explain.rows explain.scenes front.parse front.statements
-        front.words graph.differentiate graph.graph indices middle.analyze.sympy_bridge
-        middle.families.indexed_ir middle.families.equations middle.quantities model plot.compose
-        plot.draw plot.names plot.style plot.table plot.view run.diagnostics_text run.named
+        front.table front.words graph.differentiate graph.graph indices
+        middle.analyze.sympy_bridge
+        middle.families.indexed_ir middle.families.equations middle.quantities
+        middle.structure model plot.compose plot.draw plot.names plot.style plot.table plot.view
+        run.diagnostics_text run.named
         tree
     """,
     "peers": """

@@ -12,6 +12,7 @@ from fractions import Fraction
 
 from pkgen.front import parse
 from pkgen.front import statements as st
+from pkgen.front.table import STATEMENTS
 from pkgen.indices import made_of, multipliers
 from pkgen.middle.quantities import single_rotations
 from pkgen.model import Model
@@ -39,6 +40,7 @@ from . import mathml
 from .mathml import fraction, operator, row
 from .typeset import function
 
+# The letters of energies, by the field of the model that a statement fills.
 _ENERGIES = {
     "kinetic": "T",
     "potential": "V",
@@ -92,7 +94,7 @@ class Written:
             found = {letter: [mathml.name(f"{letter}_bodies")] for letter in "TV"}
         for s in self.statements:
             if isinstance(s, st.Single) and s not in bodies:
-                terms = found.setdefault(_ENERGIES[s.keyword], [])
+                terms = found.setdefault(_ENERGIES[STATEMENTS[s.keyword].fills], [])
                 terms += self._terms(s.value, first=not terms)
         sums = [(_equation(mathml.name(name), terms), "") for name, terms in found.items()]
         return said + (

@@ -21,6 +21,9 @@ TURN = 2 * math.pi
 # may vanish at these elements.
 PROBES, ODD = 3, 16
 ALIKE = 1e-11  # largest relative difference of rates that count as equal
+# Largest coordinate of a probe for the period 2 pi. At a coordinate of 1e12 every equation seems to
+# have this period, since a turn is less than ALIKE of it.
+NEAR = 1e3
 
 
 class Unknowns:
@@ -35,20 +38,22 @@ class Unknowns:
         idle = [i for i in place if self._same(i, 0.7390851 * box[i])]
         of = sorted({*place, *range(n, n + m)}.difference(idle))
         self.of = numpy.array(of, int)
-        self.turns = numpy.array([i in place and self._same(i, TURN) for i in of], bool)
+        self.turns = numpy.array([i in place and self._same(i, TURN, NEAR) for i in of], bool)
         self.box = box[self.of].copy()
         self.box[self.turns] = numpy.fmin(self.box[self.turns], TURN / 2)
         system.box[self.of] = self.box
 
-    def _same(self, i: int | None, by: float) -> bool:
+    def _same(self, i: int | None, by: float, most: float = math.inf) -> bool:
         """Returns whether the equations do not change if number i of the state increases by `by`
-        (if i is None: if the time t increases). The accelerations at PROBES states are compared."""
+        (if i is None: if the time t increases). The accelerations at PROBES states, whose numbers
+        are at most about `most`, are compared."""
         system = self.system
         bases = primes(8 * PROBES)
         wide = range(2 * system.n)
         numbers = range(1 + ODD, PROBES + 1 + ODD)
         points = numpy.array([[halton(k, bases[j % len(bases)]) for j in wide] for k in numbers])
-        states = system.middle + system.box * (2 * points - 1)
+        middle = numpy.clip(system.middle, -most, most)
+        states = middle + numpy.fmin(system.box, most) * (2 * points - 1)
         t = numpy.array([by * halton(k, 5) if i is None else 0.0 for k in numbers])
         before = system.kernel("acceleration", t, states)
         if i is None:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from ...source import Span
 from .. import statements as st
 from ..joints import joint_names
+from ..table import STATEMENTS
 from .shared import Checks, Shared
 
 _MOVING = {"coord", "state", "rotation", "body", "joint"}
 _ENERGIES = {"kinetic", "lagrangian", "hamiltonian", "body", "joint"}
-_NOT_BESIDE_H = ("kinetic", "potential", "lagrangian", "fast", "rotation", "body")
+# What statements fill that cannot stand beside a Hamiltonian.
+_NOT_BESIDE_H = ("kinetic", "potential", "lagrangian", "fast", "rotations")
 
 
 class Required(Checks):
@@ -49,7 +51,8 @@ class Required(Checks):
 
     def _hamiltonian_alone(self) -> None:
         for statement in self.file.statements:
-            if statement.keyword in _NOT_BESIDE_H:
+            row = STATEMENTS.get(statement.keyword)
+            if row and (row.fills in _NOT_BESIDE_H or isinstance(statement, st.Body)):
                 message = f"'{statement.keyword}' beside 'hamiltonian', which has all of the energy"
                 self.error(message, statement, "write it in q and p_q, or leave H out")
 

@@ -21,7 +21,8 @@ from .totals import Totals
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
 RATES = BIT[Kind.RATE]
 ATTITUDES = BIT[Kind.STATE]
-APPLIED = ("pdot", "force")  # the quantities to which a generalized force is added
+# The quantities to which generalized forces, -dD/dv and rates of states are added.
+APPLIED = ("pdot", "force")
 
 
 class Assembler:
