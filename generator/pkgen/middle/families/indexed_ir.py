@@ -35,8 +35,8 @@ class Slot:
     "s": a first-order variable, which C stores among the rates.
     "w": the acceleration of a given member; 0 for other members. For a recurrence (`Carried`), its
         acceleration if the accelerations of all coordinates are 0.
-    "d": the rate of a coordinate; 0 for a given member, as in the work v.p of an energy. For a recurrence, the part of its rate that
-        is due to the rates of coordinates.
+    "d": the rate of a coordinate; 0 for a given member, as in the work v.p of an energy. For a
+        recurrence, the part of its rate that is due to the rates of coordinates.
     "a": the acceleration of a coordinate as an unknown; 0 for a given member. For a first-order
         variable, its time derivative, also in a given member.
     "param", "size", "index", "input": a parameter, a size, a loop variable, an input.
