@@ -11,6 +11,7 @@ from ..equations import Equations, Hamiltonian, Row
 from ..graph.graph import ZERO
 from ..middle.derive.sensitivity import JACOBIANS, MOVING
 from ..middle.motion import LINEAR_OF_FEW, PARTICLES
+from . import jet
 from .kernel_spec import KernelSpec, pivot_checks
 from .targets import Target
 
@@ -33,6 +34,7 @@ def needed_kernels(
     call; unless `plain`, also the kernels that the runtime itself calls."""
     known = {n for n, spec in KERNELS.items() if n != "start" and spec.exists(equations)}
     known -= {f"{name}_free" for name in OF_FLIGHT}
+    known -= {"jet"} if wanted is None else set()
     asked = known if wanted is None else known & wanted
     if wanted is not None and not plain:
         asked |= known & CANONICAL
@@ -137,6 +139,7 @@ _SPECS = (
         given=("a",),
         copies=True,
     ),
+    KernelSpec("jet", jet.SAYS, lambda e: {"c": jet.rows(e)}, "int"),
     KernelSpec("fast", "the part of a that is named fast", lambda e: {"a": e.fast}),
     KernelSpec(
         "noise",

@@ -9,6 +9,7 @@ import shlex
 import sys
 from pathlib import Path
 
+from ..back.jet import WITHOUT
 from ..back.kernels import CANONICAL, KERNELS, PLAIN
 from ..compiler import STAGES, Compilation
 from ..front.read import READ, read
@@ -71,6 +72,8 @@ def run(options: argparse.Namespace) -> None:
         use=scene_use.of_compile(options),
         symmetric=True,
     )
+    if kernels and "jet" in kernels and not compilation.program.jet:
+        raise UsageError(f"--kernels jet: {WITHOUT}")
     if chosen := scene.of(options, compilation.declared):
         scene_check.refuse_method(compilation, chosen)
     if options.directory == "-":

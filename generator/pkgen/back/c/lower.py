@@ -22,6 +22,7 @@ from .chunk import blocks
 from .constants import constants
 from .expressions import Code, variable
 from .hoist import Hoisting, rewritten
+from .jets import jet
 from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
 from .program import LANES, Field, Interval, Kernel, Program, Statement, operations_in
 from .rewrite import SIDE, rewrite
@@ -147,7 +148,8 @@ class _Lowering(Hoisting):
             prepare=prepare,
             constants=tuple(self.constants),
             start=self._start(),
-            kernels=tuple(self._kernel(draft) for draft in drafts),
+            kernels=tuple(self._kernel(draft) for draft in drafts if draft.spec.name != "jet"),
+            jet="".join(self._jet(draft) for draft in drafts if draft.spec.name == "jet"),
             float_too=self.work.constants.float_too,
             helpers=tuple(sorted(self.helpers)),
             lanes=tuple(f for f in LANES if in_lanes and (wanted is None or f in wanted)),
@@ -180,6 +182,9 @@ class _Lowering(Hoisting):
             {new[x]: hints[x] for x in hints},
             frozenset(new[x] for x in kept),
         )
+
+    def _jet(self, draft: _Draft) -> str:
+        return jet(self.equations, self.work, [t.nodes[0] for t in draft.targets], self.leaf)
 
     def _kernel(self, draft: _Draft) -> Kernel:
         spec, n = draft.spec, len(self.equations.coordinates)

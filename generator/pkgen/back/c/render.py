@@ -21,6 +21,7 @@ from ...model import Definition, Model, Table
 from ...system.cache import cached
 from ...system.exits import BuildError
 from ...version import __version__
+from .. import jet
 from ..facts import facts, invariants
 from ..kernels import KERNELS, OF_FLIGHT
 from ..kernels import kernel as spec_of
@@ -29,6 +30,7 @@ from . import parameter_code, tables
 from .ctext import comment, fold, fold_call, paragraph, string
 from .describe import entries, labelled, operations_rows
 from .helpers import helpers
+from .jets import signature
 from .kernel_code import KernelCode
 from .lane_code import LANE_ARGUMENTS, LaneCode
 from .program import FamilyProgram, Kernel, Program, operations_text
@@ -294,6 +296,9 @@ def _context(program: Program) -> dict[str, Any]:
     return {
         **frame(equations.model, program.structure, present, parameters, names, program.tables),
         "sincos_header": pasted("sincos.h") if program.has_sincos else "",
+        "jet_header": pasted("jet.h") if program.jet else "",
+        "jet": signature(program.equations.model.name) if program.jet else "",
+        "jet_says": jet.SAYS.replace("NAME", program.equations.model.name),
         "plain": program.plain,
         **(EMBEDDED if program.plain else {}),
         "sizes": [],
@@ -372,7 +377,7 @@ def _functions(program: Program) -> str:
     dense = _environment().get_template("dense.j2").make_module(names)
     solve = str(dense.acceleration(program.factored))
     found = list(parameter_code.functions(program))
-    if any(kernel.solves for kernel in program.kernels):
+    if any(kernel.solves for kernel in program.kernels) or "_factor(" in program.jet:
         found.insert(0, str(dense.functions()))
     modes = tables.modes(program.equations)
     for kernel in program.kernels:
@@ -383,6 +388,7 @@ def _functions(program: Program) -> str:
             found += LaneCode(program, code).functions(solve)
         else:
             found += [*code.parts(), code.definition(solve)]
+    found += [program.jet] * bool(program.jet)
     return "\n".join(x if isinstance(x, str) else x.text for x in found)
 
 

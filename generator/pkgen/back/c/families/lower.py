@@ -80,6 +80,8 @@ class _Context(Prepared):
             "n": e.count.value(size_values(model)),
             "kernels": list(system.values()),
             "sincos_header": pasted("sincos.h") if any(b.trig for b in w.blocks) else "",
+            "jet": "",
+            "jet_header": "",
             "reductions": (),
             "events": tables.events(e),
             "cyclic": (),
