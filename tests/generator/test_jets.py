@@ -10,6 +10,8 @@ from c_harness import Loaded
 
 from conftest import run_pkgen, seeds
 from pkgen.back.c import lower
+from pkgen.back.c.jets import FUNCTIONS
+from pkgen.back.jet import SERIES
 from pkgen.front.check import check
 from pkgen.graph.differentiate import reachable
 from pkgen.graph.graph import Kind, Op, Symbol
@@ -136,6 +138,10 @@ def test_a_model_without_series_is_refused(tmp_path):
     found = run_pkgen(model, "--kernels", "jet", "-o", tmp_path)
     assert found.returncode == 2 and "nor with functions other than atan" in found.stderr
     assert not (tmp_path / "m.c").exists()
+
+
+def test_every_function_with_a_series_has_its_lines():
+    assert {*FUNCTIONS} == SERIES
 
 
 def test_orders_and_failures(tmp_path):

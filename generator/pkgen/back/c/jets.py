@@ -17,7 +17,17 @@ from .ctext import fold, fold_call
 from .expressions import Code
 from .rewrite import Workspace
 
-ORDER = 30  # the largest order, PK_JET_ORDER in pk/jet.h
+ORDER = 30  # the largest order
+# Sums of a_j b_(k-j), where k is a literal and a_0, a_1, ... are variables: of all j, of j >= 1, of
+# these over k (where a_j is j times a coefficient), and of 0 < j < k.
+_SUMS = """\
+#define PK_JET_TIMES(k, a, b) (a##_0 * b##_##k + PK_JET_TAIL(k, a, b))
+#define PK_JET_TAIL(k, a, b) (PK_JET_MIDDLE_##k(a, b) + a##_##k * b##_0)
+#define PK_JET_PART(k, a, b) (PK_JET_TAIL(k, a, b) * PK_JET_OVER(k))
+#define PK_JET_MIDDLE(k, a, b) PK_JET_MIDDLE_##k(a, b)
+#define PK_JET_OVER(k) (PK_C(1.0) / (k))
+#define PK_JET_MIDDLE_1(a, b) PK_C(0.0)
+"""
 
 
 class Series:
@@ -181,13 +191,14 @@ def jet(
         *series.first,
         *_factor(name, n, mass, series),
         "(void)p, (void)t, (void)u;",
-        "if (order < 1 || order > PK_JET_ORDER) return order != 0;",
+        f"if (order < 1 || order > {ORDER}) return order != 0;",
         f"{name}_JET_0(0, 1)",
         *(f"{name}_JET_K({k}, {k + 1})" for k in range(1, ORDER)),
         "return 0;",
     ]
     return "".join(
         (
+            _sums(),
             _macro(f"{name}_JET_0(pk_k, pk_k1)", [*solves(0), *ends]),
             _macro(f"{name}_JET_K(pk_k, pk_k1)", [*series.later, *solves(1), *ends]),
             fold_call(signature(name, "PK_RESTRICT ")) + "\n{\n",
@@ -204,10 +215,22 @@ def signature(name: str, restrict: str = "") -> str:
     )
 
 
+def _sums() -> str:
+    """Returns the macros of sums. A sum has two parts, which a processor adds up side by side."""
+    found = [_SUMS]
+    for k in range(2, ORDER):
+        terms = [f"a##_{j} * b##_{k - j}" for j in range(1, k)]
+        parts = (" + ".join(x) for x in (terms[::2], terms[1::2]) if x)
+        found.append(
+            _macro(f"PK_JET_MIDDLE_{k}(a, b)", [f"({' + '.join(f'({x})' for x in parts)})"])
+        )
+    return "".join(found) + "\n"
+
+
 def _macro(head: str, lines: list[str]) -> str:
     """Returns a macro of several lines."""
     found = "\n".join(fold(line, 4) for line in lines).split("\n")
-    return "\n".join(f"{x:<98} \\" for x in [f"#define {head}", *found[:-1]]) + f"\n{found[-1]}\n\n"
+    return "\n".join(f"{x:<98} \\" for x in [f"#define {head}", *found[:-1]]) + f"\n{found[-1]}\n"
 
 
 def _factor(name: str, n: int, mass: list[Node], series: Series) -> list[str]:

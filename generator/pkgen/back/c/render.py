@@ -296,7 +296,6 @@ def _context(program: Program) -> dict[str, Any]:
     return {
         **frame(equations.model, program.structure, present, parameters, names, program.tables),
         "sincos_header": pasted("sincos.h") if program.has_sincos else "",
-        "jet_header": pasted("jet.h") if program.jet else "",
         "jet": signature(program.equations.model.name) if program.jet else "",
         "jet_says": jet.SAYS.replace("NAME", program.equations.model.name),
         "plain": program.plain,

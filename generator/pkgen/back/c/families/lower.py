@@ -81,7 +81,6 @@ class _Context(Prepared):
             "kernels": list(system.values()),
             "sincos_header": pasted("sincos.h") if any(b.trig for b in w.blocks) else "",
             "jet": "",
-            "jet_header": "",
             "reductions": (),
             "events": tables.events(e),
             "cyclic": (),
