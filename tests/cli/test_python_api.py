@@ -48,6 +48,14 @@ def test_a_scene_and_its_record(pkgen) -> None:
     assert api.load(DOUBLE).scenes == ("reference", "slow", "fast")
 
 
+def test_a_mass_matrix_of_families_kept_as_loops_is_refused() -> None:
+    model = api.load(ROOT / "models" / "chains" / "fput.lag", sizes={"N": 40})
+    rest = np.zeros(len(model.coordinates))
+    assert model.f(rest, rest).shape == rest.shape
+    with pytest.raises(api.UsageError, match="mass: families of so many members"):
+        model.M(rest, rest)
+
+
 def test_parameters(double) -> None:
     assert double.params["g"] == 9.81 and len(double.params) == 5
     model = api.load(DOUBLE)

@@ -87,6 +87,11 @@ class Kernels:
             if inputs is None
             else numpy.broadcast_to(inputs, (*shape, inputs.shape[-1])).reshape(count, -1),
         )
+        if m and not found.shape[1]:
+            raise UsageError(
+                f"{what}: families of so many members ({m} rates) are kept as loops, which have no "
+                "such array here; load the model with fewer: sizes={...}"
+            )
         return found.reshape(*shape, found.shape[1])
 
     def acceleration(

@@ -22,7 +22,7 @@ UNIT = {"x": "[1, 0, 0]", "y": "[0, 1, 0]", "z": "[0, 0, 1]"}
 def component(vector: Expr, axis: int) -> Expr:
     """Returns a component of a checked vector: for a literal [x, y, z] one of its items, for a Sum
     of vectors the Sum of their components, so that it can stay a loop."""
-    if isinstance(vector, Vector):
+    if isinstance(vector, Vector) and axis < len(vector.items):  # else an error is reported
         return vector.items[axis]
     if isinstance(vector, Sum):
         return replace(vector, body=component(vector.body, axis))
