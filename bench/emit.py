@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from pkgen.__main__ import parser_of
+from pkgen.back.kernels import all_but
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
 from pkgen.scenes import compile_plan as scene_use
@@ -17,7 +18,10 @@ from pkgen.scenes.lengths import UNROLL
 def main(model: str, folder: str, *words: str) -> None:
     options = parser_of("run").parse_args([model, *words])
     use = scene_use.of_run(options) if words else None
-    made = compile_model(read(model), libm=options.libm, unroll=UNROLL, use=use)
+    kernels = None if words else all_but() | {"jet"}
+    made = compile_model(
+        read(model), libm=options.libm, unroll=UNROLL, use=use, kernels=kernels
+    )
     for name, text in made.files.items():
         Path(folder, name).write_text(text)
 

@@ -33,6 +33,7 @@ FAMILIES = {
     "verlet": "SPLITTING",
     "gauss4": "GAUSS",
     "gauss8": "GAUSS",
+    "taylor": "TAYLOR",
 }
 FIXED_STEP = frozenset({"rk4", "verlet", "gauss4", "gauss8"})
 

@@ -77,11 +77,12 @@ CALLED_FOR = {  # further kernels, by family, trait or required fact
     "linear": ("mass", "linear"),
     "exact": ("mass", "linear"),
     "fast": ("fast",),
+    "jets": ("jet",),
     "jacobians": ("canonical", "mass", "jacobian"),
     # The last two kernels are for rotations or constraints.
     "holonomic": ("canonical", "mass", "unconstrained", "inertia"),
 }
-INLINED = ("ERK", "EMBEDDED", "SPLITTING", "GAUSS")  # families with a flag -DPK_INLINE_
+INLINED = ("ERK", "EMBEDDED", "SPLITTING", "GAUSS", "TAYLOR")  # families with a flag -DPK_INLINE_
 _FAMILY = re.compile(r"#define PK_METHODS_(\w+)\(X, A\)((?:.*\\\n)+.*)")
 _ROW = re.compile(r"X\(A, (\w+), \d+, \d+, \d+, ([\w |]+),\s*\\?\s*\w+,")
 _DEFINED = re.compile(r"#define (PK_\w+)\s+\\?\s*\(?((?:PK_\w+(?: \| )?)+|0)\)?\n")
@@ -148,6 +149,6 @@ def inline_flags(methods: Iterable[str | None], own: Iterable[Own] = ()) -> list
     flags = []
     for family, named in sorted(families.items()):
         flags.append(f"-DPK_INLINE_{family}")
-        if family != "GAUSS":  # this family has a single method
+        if family not in ("GAUSS", "TAYLOR"):  # these families have a single method
             flags.append(f"-DPK_{family}_METHODS(X)={' '.join(named)}")
     return flags

@@ -267,8 +267,8 @@ KERNELS = {f"{name}_free": _of_flight(name) for name in OF_FLIGHT} | KERNELS
 
 
 def all_but(*names: str) -> frozenset[str]:
-    """Returns the kernels in q and v without `names` and the one of particles."""
-    return frozenset(KERNELS) - CANONICAL - {PARTICLES, *names}
+    """Returns the kernels in q and v without `names`, jet and the one of particles."""
+    return frozenset(KERNELS) - CANONICAL - {PARTICLES, "jet", *names}
 
 
 def kernel(name: str) -> KernelSpec:

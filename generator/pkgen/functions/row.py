@@ -78,6 +78,10 @@ class Function:
     # kind of numbers, such as Floats of graph/written.py. Smooth functions also accept power
     # series. None if the function cannot be evaluated in domains.
     enclosed: Callable | None = None
+    # A callable (series, name, a) that adds the function's Taylor series, by the given name, to a
+    # back.c.jets.Series, and returns its name; `a` is the name of the argument's series. None if no
+    # recurrence is known.
+    series: Callable[..., str] | None = None
     # Whether the function has several branches: it may jump though its derivative is zero.
     branched: bool = False
     # A text that describes the jump of the function, or "".

@@ -59,6 +59,7 @@ SMOOTH: dict[str, Function] = {
         ball=lambda b, x: b.turning(b.mp.sin, x),
         enclosed=lambda e, x: e.sin(x),
         opened=lambda p, a: p.sin(a),
+        series=lambda s, x, a: s.pair("sin", "cos", "-", x, a)[0],
     ),
     "cos": Function(
         real=math.cos,
@@ -69,6 +70,7 @@ SMOOTH: dict[str, Function] = {
         ball=lambda b, x: b.turning(b.mp.cos, x),
         enclosed=lambda e, x: e.cos(x),
         opened=lambda p, a: p.cos(a),
+        series=lambda s, x, a: s.pair("sin", "cos", "-", x, a)[1],
     ),
     "tan": Function(
         real=math.tan,
@@ -79,6 +81,7 @@ SMOOTH: dict[str, Function] = {
         enclosed=lambda e, x: e.sin(x) / e.cos(x),
         opened=lambda p, a: p.quotient(p.sin(a), p.cos(a)),
         singular=lambda g, a: (g.call("cos", a), DIVISOR),
+        series=lambda s, x, a: s.tangent("tan", "+", x, a),
     ),
     "asin": Function(
         real=math.asin,
@@ -119,6 +122,7 @@ SMOOTH: dict[str, Function] = {
         enclosed=lambda e, x: e.atan(x),
         branched=True,
         like_argument=True,
+        series=lambda s, x, a: s.atan(x, a),
     ),
     "atan2": Function(
         arguments=("y", "x"),
@@ -145,6 +149,7 @@ SMOOTH: dict[str, Function] = {
         opened=lambda p, a: p.hyperbolic(a, -1),
         like_argument=True,
         short=1,
+        series=lambda s, x, a: s.pair("sinh", "cosh", "", x, a)[0],
     ),
     "cosh": Function(
         real=math.cosh,
@@ -156,6 +161,7 @@ SMOOTH: dict[str, Function] = {
         enclosed=lambda e, x: (e.exp(x) + e.exp(-x)) / 2,
         opened=lambda p, a: p.hyperbolic(a, 1),
         short=1,
+        series=lambda s, x, a: s.pair("sinh", "cosh", "", x, a)[1],
     ),
     "tanh": Function(
         real=math.tanh,
@@ -168,6 +174,7 @@ SMOOTH: dict[str, Function] = {
         opened=lambda p, a: p.quotient(p.hyperbolic(a, -1), p.hyperbolic(a, 1)),
         like_argument=True,
         short=2,
+        series=lambda s, x, a: s.tangent("tanh", "-", x, a),
     ),
     "exp": Function(
         real=math.exp,
@@ -178,6 +185,7 @@ SMOOTH: dict[str, Function] = {
         enclosed=lambda e, x: e.exp(x),
         opened=lambda p, a: p.exp(a),
         short=1,
+        series=lambda s, x, a: s.exp(x, a),
     ),
     "log": Function(
         real=math.log,
@@ -188,6 +196,7 @@ SMOOTH: dict[str, Function] = {
         enclosed=lambda e, x: e.log(x),
         ends=(0,),
         singular=lambda g, a: (a, LOGARITHM),
+        series=lambda s, x, a: s.log(x, a),
     ),
     # The derivative 1/(2 sqrt(x)) is taken as 0 at x = 0, since reciprocal(0) is 0.
     "sqrt": Function(
@@ -203,6 +212,7 @@ SMOOTH: dict[str, Function] = {
         ends=(0,),
         singular=lambda g, a: (a, ROOT),
         like_argument=True,
+        series=lambda s, x, a: s.sqrt(x, a),
     ),
     # pow(x, y) is x^y with an exponent that is not a constant number.
     "pow": Function(
@@ -218,6 +228,7 @@ SMOOTH: dict[str, Function] = {
         ends=(0,),
         singular=lambda g, a, b: (where_positive(g, a, g.negate(b)), DIVISOR),
         sympy="Pow",
+        series=lambda s, x, a, exponent: s.pow(x, a, exponent),
     ),
     # reciprocal(x) is 1/x, but 0 at x = 0: then the derivatives of sqrt, norm and abs are 0 at 0.
     "reciprocal": Function(
@@ -236,6 +247,7 @@ SMOOTH: dict[str, Function] = {
         opened=lambda p, a: p.inverse(a),
         singular=lambda g, a: (a, DIVISOR),
         sympy=lambda sp, x: 1 / x,
+        series=lambda s, x, a: s.reciprocal(x, a),
     ),
     "place": Function(  # The function u of floor(x); see Kinked.place.
         internal=True,

@@ -5,12 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ..functions import FUNCTIONS
-from .graph import Graph, Node, Op
+from .graph import VARIABLE, Graph, Node, Op
 
 
 def smooth(g: Graph, nodes: Iterable[Node]) -> bool:
     """Whether no call among the nodes has a kink or a jump."""
     return all(FUNCTIONS[g.data[node]].smooth for node in nodes if g.op[node] is Op.CALL)
+
+
+def expandable(g: Graph, nodes: Iterable[Node]) -> bool:
+    """Whether the recurrences of Taylor coefficients are known of all calls among the nodes."""
+
+    def known(node: Node) -> bool:
+        still = not any(g.depends[a] & VARIABLE for a in g.args[node][1:])
+        return still and FUNCTIONS[g.data[node]].series is not None
+
+    return all(known(node) for node in nodes if g.op[node] is Op.CALL)
 
 
 def jumps(g: Graph, node: Node) -> bool:

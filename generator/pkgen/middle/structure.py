@@ -59,6 +59,7 @@ class Structure:
     linear_drag: bool = False  # separable except for forces C v with constant C
     affine_rates: bool = False  # separable except for forces C v with any C(q, t)
     fast: bool = False  # separable, with terms of V that the model names fast
+    series: bool = False  # the kernel `jet` of Taylor coefficients can be written
     claims: tuple[Claim, ...] = ()
     symmetries: Symmetries | None = None  # None: not requested
     cyclic: tuple[bool, ...] = ()  # whether p_i is constant

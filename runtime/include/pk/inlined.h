@@ -2,13 +2,13 @@
  * before its struct pk_system, once for each model in a file. The source of a step,
  * pk/step/FAMILY.h, is also compiled in the library, which calls kernels by function pointers; here
  * the number of coordinates is a constant and the kernels are inlined. -DPK_INLINE_ERK, _EMBEDDED,
- * _SPLITTING, _GAUSS select families, and -DPK_INLINE_ENSEMBLE adds their steps in SIMD lanes.
+ * _SPLITTING, _GAUSS, _TAYLOR select families, and -DPK_INLINE_ENSEMBLE adds their steps in SIMD lanes.
  * Without these macros the library's steps are used. "-DPK_SPLITTING_METHODS(X)=X(verlet)", and
  * likewise _ERK_ and _EMBEDDED_, compiles fewer methods of a family.
  *
  * The generated C defines PK_MODEL(x), which prefixes x with the model's name; PK_MODEL_N(it) if
  * the length of v is not the constant PK_MODEL(N); PK_MODEL_FIRST_ORDER if it has first-order
- * variables; and PK_MODEL_WITHOUT_LANES or PK_MODEL_WITHOUT_MEMBERS if it has no kernel `lanes` or
+ * variables; PK_MODEL_JET if it has the kernel jet; and PK_MODEL_WITHOUT_LANES or PK_MODEL_WITHOUT_MEMBERS if it has no kernel `lanes` or
  * `members`: then the library's steps are used. Steps use the macros
  *
  *     PK_STEPPER(x)                   x with a name that is unique in this file
@@ -18,6 +18,7 @@
  *     PK_STEPPER_FEEDBACK(it, t, q, v)              the inputs at a state
  *     PK_STEPPER_ACCELERATION(it, t, q, v, u, a)    0, or the failure of acceleration()
  *     PK_STEPPER_LANES(it, t, q, v, u, a)           the bits of lanes that failed
+ *     PK_STEPPER_JET(it, t, q, v, u, order, c)      0, or the failure of jet()
  *     PK_BLOCK_...                    see pk/step/ensemble.h */
 #include <pk/step/state.h>
 
@@ -43,6 +44,8 @@
 #define PK_STEPPER_LANES(it, t, q, v, u, a)                                                       \
     PK_MODEL(lanes_inline)(PK_LANES, (const struct PK_MODEL(params) *)(it)->problem.params, t, q, \
                            v, u, a)
+#define PK_STEPPER_JET(it, t, q, v, u, order, c) \
+    PK_MODEL(jet)((const struct PK_MODEL(params) *)(it)->problem.params, t, q, v, u, order, c)
 
 /* Number of ensemble members in a block. Their states, stages and parameters should fit into the L1
  * cache. */
@@ -66,6 +69,7 @@
 #define PK_INLINED_SPLITTING(method) \
     PK_INLINED_STEP(method, PK_STEPPER(splitting)(it, &pk_##method##_table))
 #define PK_INLINED_GAUSS(method) PK_INLINED_STEP(method##_adaptive, PK_STEPPER(gauss)(it, limit))
+#define PK_INLINED_TAYLOR(method) PK_INLINED_STEP(method, PK_STEPPER(taylor_step)(it, limit))
 #define PK_INLINED_GAUSS_ENTRY(method) {#method, PK_STEPPER(method##_adaptive)},
 #define PK_INLINED_ENTRY(method) {#method, PK_STEPPER(method)},
 #define PK_INLINED_BLOCK(method, call) \
@@ -90,7 +94,7 @@
 #endif
 
 #if defined PK_INLINE_ERK || defined PK_INLINE_EMBEDDED || defined PK_INLINE_SPLITTING || \
-    defined PK_INLINE_GAUSS
+    defined PK_INLINE_GAUSS || defined PK_INLINE_TAYLOR
 #define PK_INLINE_STEPPERS PK_STEPPER(steppers)
 #include <pk/step/evaluate.h>
 
@@ -110,6 +114,10 @@ PK_SPLITTING_METHODS(PK_INLINED_SPLITTING)
 #include <pk/step/gauss.h>
 PK_GAUSS_METHODS(PK_INLINED_GAUSS)
 #endif
+#if defined PK_INLINE_TAYLOR && defined PK_MODEL_JET
+#include <pk/step/taylor.h>
+PK_TAYLOR_METHODS(PK_INLINED_TAYLOR)
+#endif
 
 static const struct pk_stepper PK_STEPPER(steppers)[] = {
 #ifdef PK_INLINE_ERK
@@ -124,7 +132,10 @@ static const struct pk_stepper PK_STEPPER(steppers)[] = {
 #if defined PK_INLINE_GAUSS && !defined PK_MODEL_WITHOUT_LANES
                 PK_GAUSS_METHODS(PK_INLINED_GAUSS_ENTRY)
 #endif
-                    {NULL, NULL}};
+#if defined PK_INLINE_TAYLOR && defined PK_MODEL_JET
+                    PK_TAYLOR_METHODS(PK_INLINED_ENTRY)
+#endif
+                        {NULL, NULL}};
 #else
 #define PK_INLINE_STEPPERS NULL
 #endif

@@ -36,7 +36,8 @@ enum pk_trait {
                                rolling constraints; calls the kernels unconstrained and inertia,
                                or canonical and mass */
     PK_GROUP = 1u << 10,    /* keeps quaternions of rotations at unit length, to rounding */
-    PK_NOISE = 1u << 11     /* takes models with noise */
+    PK_NOISE = 1u << 11,    /* takes models with noise */
+    PK_JETS = 1u << 12      /* calls the kernel jet */
 };
 
 struct pk_integrator;

@@ -119,6 +119,12 @@
       "adaptive Gauss-Legendre, 8 stages, in (q, q'), symmetric where M varies, symplectic where " \
       "not; after Antonana, Makazaga, Murua (2017) and Rein, Spiegel (2015)")
 
+/* The order follows from the tolerance. */
+#define PK_NEEDS_TAYLOR PK_SERIES
+#define PK_METHODS_TAYLOR(X, A)                                                                    \
+    X(A, taylor, 0, 0, 30, PK_ADAPTIVE | PK_DENSE | PK_JETS, none,                                 \
+      "Taylor series of order 1 - ln(rtol)/2; A. Jorba, M. Zou, Exp. Math. 14 (2005) 99")
+
 #define PK_NEEDS_RADAU 0
 #define PK_METHODS_RADAU(X, A)                                                                     \
     X(A, radau, 5, 3, 0, PK_ADAPTIVE | PK_TRAITS_COLLOCATION, radau5,                              \
@@ -175,7 +181,7 @@
     PK_METHODS_ERK(X, A) PK_METHODS_SPLITTING(X, A) PK_METHODS_BORIS(X, A)                         \
     PK_METHODS_RESPA(X, A) PK_METHODS_ADAPTIVE_VERLET(X, A)                                        \
     PK_METHODS_COLLOCATION(X, A) PK_METHODS_EMBEDDED(X, A) PK_METHODS_GAUSS(X, A)                  \
-    PK_METHODS_RADAU(X, A) PK_METHODS_EXPONENTIAL(X, A) PK_METHODS_LIE_MIDPOINT(X, A)              \
+    PK_METHODS_TAYLOR(X, A) PK_METHODS_RADAU(X, A) PK_METHODS_EXPONENTIAL(X, A) PK_METHODS_LIE_MIDPOINT(X, A)              \
     PK_METHODS_RATTLE(X, A) PK_METHODS_RKMK(X, A) PK_METHODS_HEUN(X, A)                           \
     PK_METHODS_LANGEVIN(X, A)
 

@@ -74,7 +74,8 @@ enum pk_fact {
     PK_LINEAR_DRAG = 1u << 10,  /* f = g(q, t, u) + C v with constant C */
     PK_AFFINE_RATES = 1u << 11, /* f = g(q, t, u) + C(q, t, u) v */
     /* the system is separable, and some forces are declared fast (see the kernel `fast`) */
-    PK_FAST = 1u << 12
+    PK_FAST = 1u << 12,
+    PK_SERIES = 1u << 13 /* the kernel `jet` can be written */
 };
 
 /* A parameter: its byte offset in struct NAME_params, and the kind of its bounds. */
@@ -153,6 +154,8 @@ struct pk_part_sensitivity {
     size_t n;
     const struct pk_jacobian *table;
 };
+
+enum { PK_JET_ORDER = 30 };
 
 struct pk_system {
     unsigned abi;  /* PK_ABI when the model was compiled */
@@ -257,6 +260,10 @@ struct pk_system {
     struct pk_part_contacts contacts;
     struct pk_part_noise noise;
     struct pk_part_sensitivity sensitivity;
+    /* Writes Taylor coefficients of q and v up to order <= PK_JET_ORDER, n_q + n numbers for each
+     * order. Returns 0, or a failure as acceleration(). NULL: left out. */
+    int (*jet)(const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
+               int order, pk_real *c);
     /* Add new members here, at the end. */
 };
 

@@ -87,6 +87,7 @@ const char *pk_missing_kernel(const struct pk_system *system, const struct pk_me
         {"jacobian", PK_JACOBIANS, system->jacobian || system->families.jacobian},
         {"fast", method->needs & PK_FAST ? ~0u : 0, system->fast != NULL},
         {"linear", PK_LINEAR, system->linear != NULL},
+        {"jet", PK_JETS, PK_SYSTEM_HAS(system, jet)},
         {"mass", PK_LINEAR | plain, system->mass || system->families.diagonal},
         {"mass", PK_JACOBIANS, system->mass || system->families.mass},
     };

@@ -15,6 +15,8 @@
 #define PK_STEPPER_INPUT(it, t) pk_eval_input(it, t)
 #define PK_STEPPER_FEEDBACK(it, t, q, v) pk_eval_feedback(it, t, q, v)
 #define PK_STEPPER_LANES(it, t, q, v, u, a) pk_eval_lanes(it, t, q, v, u, a)
+#define PK_STEPPER_JET(it, t, q, v, u, order, c) \
+    (it)->problem.system->jet((it)->problem.params, t, q, v, u, order, c)
 
 #include <pk/step/evaluate.h>
 

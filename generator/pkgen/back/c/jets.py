@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 
 from ...equations import Equations
+from ...functions import FUNCTIONS
 from ...graph.graph import MINUS_ONE, ZERO, Kind, Node, Op, Symbol
 from .ctext import fold, fold_call
 from .expressions import Code
@@ -19,14 +20,27 @@ from .rewrite import Workspace
 
 ORDER = 30  # the largest order
 # Sums of a_j b_(k-j), where k is a literal and a_0, a_1, ... are variables: of all j, of j >= 1, of
-# these over k (where a_j is j times a coefficient), and of 0 < j < k.
+# these over k (where a_j is j times a coefficient), and of 0 < j < k. The newest coefficients come
+# last, so that a processor can add up the rest before they are known.
 _SUMS = """\
-#define PK_JET_TIMES(k, a, b) (a##_0 * b##_##k + PK_JET_TAIL(k, a, b))
-#define PK_JET_TAIL(k, a, b) (PK_JET_MIDDLE_##k(a, b) + a##_##k * b##_0)
+#ifndef PK_JET_ADD /* a b + c, by one instruction where the processor has it */
+#if defined PK_PORTABLE || defined PK_LONG_DOUBLE || defined PK_FLOAT128
+#define PK_JET_ADD(a, b, c) ((a) * (b) + (c))
+#elif defined PK_FLOAT ? defined FP_FAST_FMAF : defined FP_FAST_FMA
+#define PK_JET_ADD(a, b, c) PK_F(fma)(a, b, c)
+#else
+#define PK_JET_ADD(a, b, c) ((a) * (b) + (c))
+#endif
+#endif
+#define PK_JET_TIMES(k, a, b) PK_JET_ADD(a##_0, b##_##k, PK_JET_TAIL(k, a, b))
+#define PK_JET_TAIL(k, a, b) PK_JET_ADD(a##_##k, b##_0, PK_JET_MIDDLE_##k(a, b))
+#define PK_JET_SQUARE(k, a) (2 * PK_JET_ADD(a##_0, a##_##k, PK_JET_HALF_##k(a)))
 #define PK_JET_PART(k, a, b) (PK_JET_TAIL(k, a, b) * PK_JET_OVER(k))
+#define PK_JET_HALF(k, a) PK_JET_HALF_##k(a)
 #define PK_JET_MIDDLE(k, a, b) PK_JET_MIDDLE_##k(a, b)
 #define PK_JET_OVER(k) (PK_C(1.0) / (k))
 #define PK_JET_MIDDLE_1(a, b) PK_C(0.0)
+#define PK_JET_HALF_1(a) PK_C(0.0)
 """
 
 
@@ -40,6 +54,8 @@ class Series:
         self.first: list[str] = []
         self.later: list[str] = []
         self._pairs: dict[tuple[str, str], tuple[str, str]] = {}
+        self._products: dict[tuple[str, str], str] = {}
+        self._scaled: dict[str, tuple[str, str]] = {}  # series that are a factor times another
         self._weighted: dict[str, str] = {}
 
     def add(self, roots: Iterable[Node]) -> None:
@@ -78,14 +94,35 @@ class Series:
         if op is Op.ADD:
             return self._set(x, " + ".join(zeros), " + ".join(f"{a}_##pk_k" for a in moving))
         if op is Op.MULTIPLY and len(moving) == 1:
-            factor = "-" if args[0] == MINUS_ONE else f"{zeros[args[0] in self.of]} * "
-            return self._set(x, f"{factor}{moving[0]}_0", f"{factor}{moving[0]}_##pk_k")
+            factor = "- " if args[0] == MINUS_ONE else f"{zeros[args[0] in self.of]} * "
+            before, base = self._scaled.get(moving[0], ("", moving[0]))
+            self._scaled[x] = factor + before, base
+            return self._set(x, f"{factor}{moving[0]}_0", f"{factor}{moving[0]}_##pk_k", True)
         if op is Op.MULTIPLY:
-            return self._set(x, " * ".join(zeros), f"PK_JET_TIMES(pk_k, {', '.join(moving)})")
+            return self.product(x, *moving)
         a = moving[0]
         if op is Op.POWER:  # rewrite() leaves no other power
             return self.reciprocal(x, a)
-        return FUNCTIONS[w.data[node]](self, x, a, *zeros[1:])
+        return FUNCTIONS[w.data[node]].series(self, x, a, *zeros[1:])
+
+    def product(self, x: str, a: str, b: str) -> str:
+        """Returns the series of a b, x or an earlier one. Constant factors of a and b are taken out
+        of it; the squares of cos and sin differ by a sign for k > 0."""
+        (factor, a), (other, b) = (self._scaled.get(y, ("", y)) for y in (a, b))
+        key, factor = (min(a, b), max(a, b)), factor + other
+        if key not in self._products:
+            later = f"PK_JET_SQUARE(pk_k, {a})" if a == b else f"PK_JET_TIMES(pk_k, {a}, {b})"
+            for (of, _), (sine, cosine) in self._pairs.items():
+                square = self._products.get((sine, sine))
+                if a == b == cosine and square:
+                    later = f"{'-' if of == 'sin' else ''}{square}_##pk_k"
+            y = f"{x}b" if factor else x
+            self._products[key] = self._set(y, f"{a}_0 * {b}_0", later, a == b)
+        y = self._products[key]
+        if not factor:
+            return y
+        self._scaled[x] = factor, y
+        return self._set(x, f"{factor}{y}_0", f"{factor}{y}_##pk_k", True)
 
     def reciprocal(self, x: str, a: str) -> str:
         return self._set(x, f"1 / {a}_0", f"-PK_JET_TAIL(pk_k, {a}, {x}) * {x}_0")
@@ -121,7 +158,7 @@ class Series:
         return self.solved(x, f"PK_F(log)({a}_0)", a, a)
 
     def sqrt(self, x: str, a: str) -> str:
-        later = f"({a}_##pk_k - PK_JET_MIDDLE(pk_k, {x}, {x})) / (2 * {x}_0)"
+        later = f"(PK_C(0.5) * {a}_##pk_k - PK_JET_HALF(pk_k, {x})) / {x}_0"
         return self._set(x, f"PK_F(sqrt)({a}_0)", later)
 
     def pow(self, x: str, a: str, exponent: str) -> str:
@@ -145,30 +182,13 @@ class Series:
         return self.solved(x, f"PK_F(atan)({a}_0)", a, by)
 
 
-FUNCTIONS: dict[str, Callable[..., str]] = {
-    "sin": lambda s, x, a: s.pair("sin", "cos", "-", x, a)[0],
-    "cos": lambda s, x, a: s.pair("sin", "cos", "-", x, a)[1],
-    "sinh": lambda s, x, a: s.pair("sinh", "cosh", "", x, a)[0],
-    "cosh": lambda s, x, a: s.pair("sinh", "cosh", "", x, a)[1],
-    "reciprocal": Series.reciprocal,
-    "exp": Series.exp,
-    "log": Series.log,
-    "sqrt": Series.sqrt,
-    "pow": Series.pow,
-    "tan": lambda s, x, a: s.tangent("tan", "+", x, a),
-    "tanh": lambda s, x, a: s.tangent("tanh", "-", x, a),
-    "atan": Series.atan,
-}
-
-
 LETTERS = {Kind.COORDINATE: "q", Kind.RATE: "v"}
 
 
 def jet(
     e: Equations, work: Workspace, roots: list[Node], leaf: Callable[[Node], Code | None]
 ) -> str:
-    """Returns the C function NAME_jet. `roots` are the nodes of rows(), rewritten. The functions
-    NAME_factor and NAME_solved are needed unless M is diagonal."""
+    """Returns the C function NAME_jet. `roots` are the nodes of rows(), rewritten."""
     name, n, own = e.model.name, len(e.force), e.own
     state = {
         node: f"{LETTERS[symbol.kind]}{symbol.index}"
@@ -183,13 +203,13 @@ def jet(
     ends += [f"const pk_real q{i}_##pk_k1 = v{i}_##pk_k * PK_JET_OVER(pk_k1);" for i in range(own)]
     ends += [f"c[{len(x)} * pk_k1 + {i}] = {name}_##pk_k1;" for i, name in enumerate(x)]
     ends.append("if (order == pk_k1) return 0;")
-    solves = _solution(name, n, mass, force, series)
+    solver = _Solver(n, mass, series)
     first = [f"const pk_real {z}_0 = {z[0]}[{z[1:]}];" for z in x]
     first += [f"c[{i}] = {z}_0;" for i, z in enumerate(x)]
     body = [
         *first,
         *series.first,
-        *_factor(name, n, mass, series),
+        *solver.factor(),
         "(void)p, (void)t, (void)u;",
         f"if (order < 1 || order > {ORDER}) return order != 0;",
         f"{name}_JET_0(0, 1)",
@@ -199,8 +219,8 @@ def jet(
     return "".join(
         (
             _sums(),
-            _macro(f"{name}_JET_0(pk_k, pk_k1)", [*solves(0), *ends]),
-            _macro(f"{name}_JET_K(pk_k, pk_k1)", [*series.later, *solves(1), *ends]),
+            _macro(f"{name}_JET_0(pk_k, pk_k1)", [*solver.first(force), *ends]),
+            _macro(f"{name}_JET_K(pk_k, pk_k1)", [*series.later, *solver.later(force), *ends]),
             fold_call(signature(name, "PK_RESTRICT ")) + "\n{\n",
             "\n".join(fold(line, 4) for line in body),
             "\n}\n",
@@ -219,12 +239,22 @@ def _sums() -> str:
     """Returns the macros of sums. A sum has two parts, which a processor adds up side by side."""
     found = [_SUMS]
     for k in range(2, ORDER):
-        terms = [f"a##_{j} * b##_{k - j}" for j in range(1, k)]
-        parts = (" + ".join(x) for x in (terms[::2], terms[1::2]) if x)
-        found.append(
-            _macro(f"PK_JET_MIDDLE_{k}(a, b)", [f"({' + '.join(f'({x})' for x in parts)})"])
-        )
+        terms = [(f"a##_{j}", f"b##_{k - j}") for j in range(1, k)]
+        half = [(f"a##_{j}", f"a##_{k - j}") for j in range(1, (k + 1) // 2)]
+        half += [(f"PK_C(0.5) * a##_{k // 2}", f"a##_{k // 2}")] if k % 2 == 0 else []
+        found.append(_macro(f"PK_JET_MIDDLE_{k}(a, b)", [_sum(terms)]))
+        found.append(_macro(f"PK_JET_HALF_{k}(a)", [_sum(half)]))
     return "".join(found) + "\n"
+
+
+def _sum(terms: list[tuple[str, str]]) -> str:
+    found = []
+    for part in (terms[::2], terms[1::2]):
+        text = ""
+        for a, b in part:
+            text = f"PK_JET_ADD({a}, {b}, {text})" if text else f"{a} * {b}"
+        found += [text] if text else []
+    return f"({' + '.join(found)})"
 
 
 def _macro(head: str, lines: list[str]) -> str:
@@ -233,45 +263,51 @@ def _macro(head: str, lines: list[str]) -> str:
     return "\n".join(f"{x:<98} \\" for x in [f"#define {head}", *found[:-1]]) + f"\n{found[-1]}\n"
 
 
-def _factor(name: str, n: int, mass: list[Node], series: Series) -> list[str]:
-    """Returns the lines that factor M, or invert a diagonal M."""
-    values = ", ".join(series.zero(node) for node in mass)
-    if is_diagonal(mass, n):
-        failed = "return PK_FAILED(PK_FAILURE_MASS, {});"
-        found = [(f"inverse{i}", series.zero(mass[i * n + i])) for i in range(n)]
-        lines = [f"const pk_real {x} = 1 / {value};" for x, value in found]
-        return lines + [f"if (!({x} > 0)) {failed.format(i)}" for i, (x, _) in enumerate(found)]
-    return [
-        f"pk_real M[{n * n}] = {{{values}}}, inverse[{n}], a[{n}];",
-        f"{name}_factor(M, inverse);",
-    ]
+class _Solver:
+    """The lines of C that solve M a = f by M = L D L^T. Only entries of L that may be nonzero are
+    written: l_i_k. M is factored once, at the start."""
 
-
-def _solution(
-    name: str, n: int, mass: list[Node], force: list[Node], series: Series
-) -> Callable[[int], Iterator[str]]:
-    """Returns a function that yields the lines of a_##pk_k, for k = 0 or (1) for k > 0."""
-
-    def right(i: int, k: int) -> str:
-        terms = [series.zero(force[i]) if not k else series.at(force[i])]
-        for j in range(n) if k else ():
-            if mass[i * n + j] in series.of:
-                terms.append(f"PK_JET_TAIL(pk_k, {series.of[mass[i * n + j]]}, a{j})")
-        return " - ".join(terms)
-
-    def lines(k: int) -> Iterator[str]:
-        if is_diagonal(mass, n):
-            for i in range(n):
-                yield f"const pk_real a{i}_##pk_k = ({right(i, k)}) * inverse{i};"
-            return
-        yield f"pk_real f_##pk_k[{n}] = {{{', '.join(right(i, k) for i in range(n))}}};"
-        yield f"const int failed_##pk_k = {name}_solved(M, inverse, f_##pk_k, a);"
-        yield "if (failed_##pk_k) return failed_##pk_k;"
+    def __init__(self, n: int, mass: list[Node], series: Series):
+        self.n, self.mass, self.series = n, mass, series
+        self.below: list[list[int]] = []  # the columns of L in each row
         for i in range(n):
-            yield f"const pk_real a{i}_##pk_k = a[{i}];"
+            row: list[int] = []
+            for k in range(i):
+                if mass[i * n + k] != ZERO or {*row} & {*self.below[k]}:
+                    row.append(k)
+            self.below.append(row)
 
-    return lines
+    def factor(self) -> Iterator[str]:
+        for i, row in enumerate(self.below):
+            for k in row:
+                entry = self.series.zero(self.mass[i * self.n + k])
+                known = [f"g_{i}_{j} * l_{k}_{j}" for j in row if j in self.below[k]]
+                yield f"const pk_real g_{i}_{k} = {' - '.join([entry, *known])};"
+                yield f"const pk_real l_{i}_{k} = g_{i}_{k} * inverse{k};"
+            diagonal = self.series.zero(self.mass[i * (self.n + 1)])
+            known = [f"g_{i}_{k} * l_{i}_{k}" for k in row]
+            yield f"const pk_real d{i} = {' - '.join([diagonal, *known])}, inverse{i} = 1 / d{i};"
+            least = f"PK_PIVOT_MIN * {diagonal}" if row else "0"
+            yield f"if (!(d{i} > {least})) return PK_FAILED(PK_FAILURE_MASS, {i});"
 
+    def solve(self, right: Callable[[int], str]) -> Iterator[str]:
+        """Yields the lines of a_##pk_k, for the right-hand sides of each row of M a = f."""
+        for i, row in enumerate(self.below):
+            known = [f"l_{i}_{k} * y{k}_##pk_k" for k in row]
+            yield f"const pk_real y{i}_##pk_k = {' - '.join([right(i), *known])};"
+        for i in reversed(range(self.n)):
+            known = [f"l_{k}_{i} * a{k}_##pk_k" for k in range(i, self.n) if i in self.below[k]]
+            value = " - ".join([f"y{i}_##pk_k * inverse{i}", *known])
+            yield f"const pk_real a{i}_##pk_k = {value};"
 
-def is_diagonal(mass: list[Node], n: int) -> bool:
-    return all(node == ZERO for i, node in enumerate(mass) if i % (n + 1))
+    def first(self, force: list[Node]) -> Iterator[str]:
+        return self.solve(lambda i: self.series.zero(force[i]))
+
+    def later(self, force: list[Node]) -> Iterator[str]:
+        def right(i: int) -> str:
+            row = enumerate(self.mass[i * self.n : (i + 1) * self.n])
+            moving = [(self.series.of[m], j) for j, m in row if m in self.series.of]
+            known = [f"PK_JET_TAIL(pk_k, {m}, a{j})" for m, j in moving]
+            return " - ".join([self.series.at(force[i]), *known])
+
+        return self.solve(right)

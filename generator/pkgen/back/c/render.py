@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 # The fields of Structure that have a bit in enum pk_fact, in the order of the enum.
 FACTS = """
     mass_constant mass_diagonal quadratic separable autonomous conservative variational smooth
-    affine switched linear_drag affine_rates fast
+    affine switched linear_drag affine_rates fast series
 """
 
 # Kernel -> member of struct pk_system, or of a part of that struct.
@@ -376,7 +376,7 @@ def _functions(program: Program) -> str:
     dense = _environment().get_template("dense.j2").make_module(names)
     solve = str(dense.acceleration(program.factored))
     found = list(parameter_code.functions(program))
-    if any(kernel.solves for kernel in program.kernels) or "_factor(" in program.jet:
+    if any(kernel.solves for kernel in program.kernels):
         found.insert(0, str(dense.functions()))
     modes = tables.modes(program.equations)
     for kernel in program.kernels:

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 
 from ...equations import Equations
 from ...functions.row import COORDINATES
-from ...graph.calls import jumps, smooth
+from ...graph.calls import expandable, jumps, smooth
 from ...graph.differentiate import reachable, symbols_in
 from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
 from ...graph.normal import WORK, Normal
@@ -88,6 +88,7 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         and all(x.held for x in equations.switches),
         cyclic=_cyclic(equations, seen, jumping),
         affine=constant and autonomous and affine(equations, seen.normal),
+        series=has_series(equations),
         definite=_definite(equations),
         # where M may be singular; see points/singularities.py
         singular=tuple(x.quantity.name for x in equations.singularities if x.use == COORDINATES),
@@ -175,6 +176,14 @@ def _smooth(equations: Equations) -> bool:
     outputs = [*equations.pdot, *equations.force, *equations.state_rates]
     outputs += [entry for row in equations.mass for entry in row]
     return smooth(g, reachable(g, outputs, VARIABLE))
+
+
+def has_series(e: Equations) -> bool:
+    """Returns whether pkgen writes the kernel `jet` of the equations."""
+    if e.constraints or e.inputs or e.attitudes or e.model.struck or e.switches:
+        return False
+    g = e.graph
+    return expandable(g, reachable(g, [*sum(e.mass, ()), *e.force], VARIABLE))
 
 
 def _definite(e: Equations) -> bool:

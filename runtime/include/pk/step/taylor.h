@@ -1,0 +1,150 @@
+/* The Taylor method: a step evaluates the Taylor polynomial of the motion, whose coefficients the
+ * kernel `jet` computes. The polynomial is also the dense output. The order is 1 - ln(rtol)/2, with
+ * which the work per unit of time is least. The step size h follows from the last two coefficients
+ * x_(p-1), x_p and the tolerances d:
+ *
+ *     h = exp(-0.7/(p - 1)) min(h1, h2),   |x_(p-1)| h1^(p-1) = d,   |x_p| h2^p = d/e^2
+ *
+ * A step is never repeated for its error. The first coefficient is added last, by a compensated
+ * sum, so that rounding errors of the energy grow as a random walk does. This file has the code
+ * that each step runs, with the macros of pk/inlined.h.
+ *
+ * Reference: A. Jorba, M. Zou, Experimental Mathematics 14 (2005), pages 99-117. */
+#ifndef PK_STEP_TAYLOR_H
+#define PK_STEP_TAYLOR_H
+
+#include <stdint.h>
+#include <string.h>
+
+#include <pk/methods.h>
+#include <pk/step/state.h>
+
+#define PK_TAYLOR_METHODS(X) PK_METHODS_TAYLOR(PK_NAME_OF, X)
+
+/* The work memory: the order, then the coefficients, m = n_q + n numbers for each order. */
+static inline int pk_taylor_order(const struct pk_integrator *it) { return (int)it->own->work[0]; }
+static inline pk_real *pk_taylor_c(const struct pk_integrator *it) { return it->own->work + 1; }
+
+/* Returns the logarithm to base 2 of x > 0, wrong by at most 0.01; for x = 0, or tiny x, a number
+ * below -1000. */
+static inline pk_real pk_coarse_log2(pk_real x)
+{
+#ifdef PK_REAL_IS_DOUBLE
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    const double e = (double)((int)(bits >> 52) - 1022);
+    bits = (bits & 0xfffffffffffffu) | 0x3fe0000000000000u;
+    double m;
+    memcpy(&m, &bits, sizeof m);
+#else
+    int exponent;
+    const pk_real m = PK_F(frexp)(x, &exponent), e = x > 0 ? (pk_real)exponent : PK_C(-1e4);
+#endif
+    return e + ((PK_C(-1.379394) * m + PK_C(4.049332)) * m - PK_C(2.674878));
+}
+
+/* Returns 2^x, wrong by at most 0.2 %, for |x| <= 1000. */
+static inline pk_real pk_coarse_exp2(pk_real x)
+{
+    const pk_real whole = PK_F(floor)(x), f = x - whole;
+    const pk_real m = (PK_C(0.337189) * f + PK_C(0.657636)) * f + PK_C(1.001725);
+#ifdef PK_REAL_IS_DOUBLE
+    const uint64_t bits = (uint64_t)((int)whole + 1023) << 52;
+    double power;
+    memcpy(&power, &bits, sizeof power);
+    return m * power;
+#else
+    return PK_F(ldexp)(m, (int)whole);
+#endif
+}
+
+/* Returns the step size by the coefficients, or 0 if they are not finite. */
+static PK_INLINE pk_real pk_taylor_reach(const struct pk_integrator *it, const pk_real *c,
+                                         int order, size_t m)
+{
+    const pk_real *last = c + (size_t)order * m, *before = last - m;
+    const pk_real p = (pk_real)order, e = PK_C(1.442695); /* log2 of e */
+    pk_real a = 0, b = 0, sum = 0;
+    for (size_t i = 0; i < m; i++) {
+        const pk_real scale = 1 / pk_tolerance(it, i, c[i], c[i]);
+        const pk_real x = pk_abs(before[i]) * scale, y = pk_abs(last[i]) * scale;
+        a = pk_max(a, x);
+        b = pk_max(b, y);
+        sum += x + y;
+    }
+    if (!pk_finite(sum))
+        return 0;
+    const pk_real x = pk_coarse_log2(a) / (p - 1), y = (pk_coarse_log2(b) + 2 * e) / p;
+    return pk_coarse_exp2(pk_min(PK_C(1000.0), -pk_max(x, y) - PK_C(0.7) * e / (p - 1)));
+}
+
+/* Writes the polynomial, without its coefficient 0, at the time s after the start. The terms of odd
+ * and of even orders are two sums, which a processor adds up side by side. */
+static PK_INLINE void pk_taylor_tail(const pk_real *PK_RESTRICT c, size_t m, int order, pk_real s,
+                                     pk_real *PK_RESTRICT y)
+{
+    enum { BLOCK = 4 };
+    const pk_real s2 = s * s;
+    for (size_t i = 0; i < m; i += BLOCK) {
+        const size_t width = m - i < BLOCK ? m - i : BLOCK;
+        pk_real sum[BLOCK] = {0}, other[BLOCK] = {0};
+        int k = order;
+        if (order % 2) {
+            for (size_t j = 0; j < width; j++)
+                other[j] = c[(size_t)order * m + i + j];
+            k--;
+        }
+        for (; k > 0; k -= 2)
+            for (size_t j = 0; j < width; j++) {
+                sum[j] = s2 * (sum[j] + c[(size_t)k * m + i + j]);
+                other[j] = s2 * other[j] + c[(size_t)(k - 1) * m + i + j];
+            }
+        for (size_t j = 0; j < width; j++)
+            y[i + j] = sum[j] + s * other[j];
+    }
+}
+
+#endif
+
+/* Computes the coefficients at the start of a step, and the planned step size. */
+static PK_INLINE enum pk_status PK_STEPPER(jets)(struct pk_integrator *it, pk_real *c, int order,
+                                                 size_t m, pk_real limit)
+{
+    const pk_real *q = it->own->state, *v = q + PK_STEPPER_COORDINATES(it);
+    const int failed = PK_STEPPER_JET(it, it->t, q, v, it->own->u, order, c);
+    it->count.evaluations += (unsigned long)order;
+    if (failed)
+        return pk_eval_failed(it, it->t, q, v, failed);
+    pk_real h = pk_taylor_reach(it, c, order, m);
+    if (!(h > 0))
+        return PK_NOT_FINITE;
+    h = pk_min(h, 2 * pk_abs(limit - it->t));
+    if (it->options.h > 0 && !(pk_abs(it->own->h) > 0))
+        h = pk_min(h, it->options.h);
+    it->own->h = pk_direction(it) * h;
+    return PK_DONE;
+}
+
+static PK_INLINE enum pk_status PK_STEPPER(taylor_step)(struct pk_integrator *it, pk_real limit)
+{
+    const int order = pk_taylor_order(it);
+    pk_real *c = pk_taylor_c(it);
+    const size_t m = PK_STEPPER_COORDINATES(it) + PK_STEPPER_N(it);
+    const pk_real *from = it->own->state, *rest = pk_state(it, PK_LOW_Q);
+    pk_real *to = it->own->next, *to_rest = pk_next(it, PK_LOW_Q);
+    it->own->flags = 0; /* the last step's dense output becomes invalid */
+    PK_TRY(PK_STEPPER(jets)(it, c, order, m, limit));
+    struct pk_trial x = pk_trial(it, limit);
+    if (!pk_trial_next(it, limit, &x))
+        return pk_underflow(it, x.planned);
+    pk_taylor_tail(c, m, order, x.h, to);
+    for (size_t i = 0; i < m; i++) { /* PK_Q and PK_V are adjacent, as their low parts are */
+        to_rest[i] = rest[i];
+        to[i] = pk_sum(from[i], to[i], &to_rest[i]);
+    }
+    if (!pk_all_finite(to, m))
+        return PK_NOT_FINITE;
+    pk_trial_accept(it, &x, pk_abs(x.h), 1);
+    it->own->flags = PK_HAVE_STEP;
+    return PK_DONE;
+}
