@@ -19,9 +19,7 @@ def main(model: str, folder: str, *words: str) -> None:
     options = parser_of("run").parse_args([model, *words])
     use = scene_use.of_run(options) if words else None
     kernels = None if words else all_but() | {"jet"}
-    made = compile_model(
-        read(model), libm=options.libm, unroll=UNROLL, use=use, kernels=kernels
-    )
+    made = compile_model(read(model), libm=options.libm, unroll=UNROLL, use=use, kernels=kernels)
     for name, text in made.files.items():
         Path(folder, name).write_text(text)
 

@@ -28,7 +28,7 @@ from .back.c.constant_range import Beyond, extreme
 from .equations import Equations
 from .front import parse
 from .front.check import check
-from .methods import Own
+from .methods import Own, known
 from .middle.analyze import analyze
 from .middle.analyze.proofs import check_claims
 from .middle.derive import derive
@@ -118,6 +118,7 @@ def stages(
     canonical: bool = False,
     own: Sequence[Own] = (),
     plain: bool = False,
+    jets: bool = False,
 ) -> Iterator[object]:
     """Yields the result of each of STAGES, in order; a caller may stop after any stage.
 
@@ -196,7 +197,9 @@ def stages(
     yield left.equations, left.structure, report
     from .back.c import lower, render  # late: `pkgen check` does not need it
 
-    how = {"libm": libm or plain, "kept": kept, "plain": plain}
+    method = known(declared.methods).get(plan.method)
+    jets = jets or (method is not None and "jets" in method.traits)
+    how = {"libm": libm or plain, "kept": kept, "plain": plain, "jets": jets}
     with _no_collection(), _in_range(model):
         each = [lower.lower(*x, of, **how) for x, of in zip(in_c, of_each, strict=True)]
     program, *of_parts = each
@@ -324,9 +327,9 @@ def compile_model(
     model's symmetries, which only `explain` and comments in the C show. `canonical` adds H(q, p)
     and its gradients. `portable` C uses no fused multiply-add, so its results do not depend on the
     processor. Without `c` the program is lowered but not rendered, and `files` is empty. `own` adds
-    methods to those of the model. `plain` C is for embedding: it implies `libm` and lacks the
-    kernels that only the runtime calls. Raises ModelError with every error found by the stage that
-    failed."""
+    methods to those of the model. `jets` adds the kernel `jet` where `kernels` is None. `plain` C
+    is for embedding: it implies `libm` and lacks the kernels that only the runtime calls. Raises
+    ModelError with every error found by the stage that failed."""
     made = stages(source, sizes or {}, **how)
     _, (declared, model, warnings), _, _, reduced, (program, parts, plan) = islice(made, 6)
     files = next(made) if c else {}

@@ -48,8 +48,8 @@ static const struct {
     {PK_AUTONOMOUS, "autonomous: no explicit time and no inputs"},
     {PK_CONSERVATIVE, "conservative: its energy is constant"},
     {PK_MASS_DIAGONAL, "of diagonal M"},
-    {PK_SERIES, "of Taylor series that pkgen can write: without constraints, inputs, rotations, "
-                "switches, changes at events, and only with functions such as sin and exp"},
+    {PK_SERIES, "expandable in Taylor series: written out, without constraints, inputs and noise, "
+                "and only with functions such as sin and exp"},
 };
 
 static int no_convergence(const struct pk_integrator *it, char *text, size_t size)

@@ -50,6 +50,12 @@ def test_dop853(pkgen, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", REFERENCES)
+def test_taylor(pkgen, name: str) -> None:
+    assert 0 < final_error(pkgen, name, "--method", "taylor", "--rtol", "1e-14") < BOUNDS[name]
+    assert final_error(pkgen, name, "--method", "taylor", "--rtol", "1e-4") > BOUNDS[name]
+
+
+@pytest.mark.parametrize("name", REFERENCES)
 def test_gauss(pkgen, name: str) -> None:
     assert 0 < final_error(pkgen, name, "--method", "gauss", "--rtol", "1e-13") < BOUNDS[name]
     assert final_error(pkgen, name, "--method", "gauss", "--rtol", "1e-5") > BOUNDS[name]

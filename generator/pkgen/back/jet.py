@@ -13,8 +13,8 @@ SAYS = (
     "a failure as NAME_acceleration does; 1 if the order is too large"
 )
 WITHOUT = (
-    "Taylor coefficients are not written of a model with constraints, inputs, rotations or changes "
-    "at events, nor with functions other than "
+    "Taylor coefficients are not written of a model with constraints, contacts, inputs or noise, "
+    "nor with functions other than "
     f"{', '.join(name for name, row in FUNCTIONS.items() if row.series and not row.internal)}"
 )
 

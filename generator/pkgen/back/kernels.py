@@ -28,14 +28,15 @@ _OF_IMPULSES = frozenset(("corner", "energy", "unconstrained", "inertia"))
 
 
 def needed_kernels(
-    equations: Equations, wanted: frozenset[str] | None, plain: bool = False
+    equations: Equations, wanted: frozenset[str] | None, plain: bool = False, jets: bool = False
 ) -> frozenset[str]:
-    """Returns the kernels of `wanted` (None: all) that the model has, and the kernels that they
-    call; unless `plain`, also the kernels that the runtime itself calls."""
+    """Returns the kernels of `wanted` (None: all but `jet`) that the model has, with `jets` also
+    `jet`, and the kernels that they call; unless `plain`, also the kernels that the runtime itself
+    calls."""
     known = {n for n, spec in KERNELS.items() if n != "start" and spec.exists(equations)}
     known -= {f"{name}_free" for name in OF_FLIGHT}
-    known -= {"jet"} if wanted is None else set()
-    asked = known if wanted is None else known & wanted
+    asked = known - {"jet"} if wanted is None else known & wanted
+    asked |= known & {"jet"} if jets else set()
     if wanted is not None and not plain:
         asked |= known & CANONICAL
         asked |= known & _OF_CONSTRAINTS if equations.constraints else set()

@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
     """Chart accuracy against cost, for every integration method that can run the model."""
     began, effort, look = time.monotonic(), _effort(options), look_of(options)
     directory = parsing.directory(options.directory)
-    compilation = compile_within_limits(options, unroll=None, use=whole(options))
+    compilation = compile_within_limits(options, unroll=None, use=whole(options), jets=True)
     refuse_statements(compilation.model, "pkgen chart")
     others = options.others and options.others(options)  # solvers of other packages
     chosen = _methods(options, compilation, others.methods if others else [])

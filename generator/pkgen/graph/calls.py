@@ -13,12 +13,16 @@ def smooth(g: Graph, nodes: Iterable[Node]) -> bool:
     return all(FUNCTIONS[g.data[node]].smooth for node in nodes if g.op[node] is Op.CALL)
 
 
-def expandable(g: Graph, nodes: Iterable[Node]) -> bool:
-    """Whether the recurrences of Taylor coefficients are known of all calls among the nodes."""
+def expandable(g: Graph, nodes: Iterable[Node], in_pieces: bool) -> bool:
+    """Whether the recurrences of Taylor coefficients are known of all calls among the nodes.
+    Functions with a kink count if a run ends its steps there (`in_pieces`)."""
 
     def known(node: Node) -> bool:
+        row = FUNCTIONS[g.data[node]]
+        if row.kinked and in_pieces:
+            return not row.kinked.place
         still = not any(g.depends[a] & VARIABLE for a in g.args[node][1:])
-        return still and FUNCTIONS[g.data[node]].series is not None
+        return still and row.series is not None
 
     return all(known(node) for node in nodes if g.op[node] is Op.CALL)
 

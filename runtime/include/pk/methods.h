@@ -120,7 +120,7 @@
       "not; after Antonana, Makazaga, Murua (2017) and Rein, Spiegel (2015)")
 
 /* The order follows from the tolerance. */
-#define PK_NEEDS_TAYLOR PK_SERIES
+#define PK_NEEDS_TAYLOR (PK_SERIES | PK_SMOOTH)
 #define PK_METHODS_TAYLOR(X, A)                                                                    \
     X(A, taylor, 0, 0, 30, PK_ADAPTIVE | PK_DENSE | PK_JETS, none,                                 \
       "Taylor series of order 1 - ln(rtol)/2; A. Jorba, M. Zou, Exp. Math. 14 (2005) 99")

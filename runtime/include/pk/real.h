@@ -34,7 +34,6 @@ __extension__ typedef __float128 pk_real;
 #define PK_INFINITY HUGE_VALQ
 #else
 typedef double pk_real;
-#define PK_REAL_IS_DOUBLE
 #define PK_C(x) x
 #define PK_F(name) name
 #define PK_EPSILON DBL_EPSILON

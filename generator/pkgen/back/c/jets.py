@@ -9,14 +9,17 @@ Mathematics 14 (2005), pages 99-117, section 3.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 
 from ...equations import Equations
 from ...functions import FUNCTIONS
+from ...functions import SIDE as SIDE_OF
 from ...graph.graph import MINUS_ONE, ZERO, Kind, Node, Op, Symbol
 from .ctext import fold, fold_call
 from .expressions import Code
-from .rewrite import Workspace
+from .jet_loops import LONGEST, looped
+from .rewrite import SIDE, Workspace
 
 ORDER = 30  # the largest order
 # Sums of a_j b_(k-j), where k is a literal and a_0, a_1, ... are variables: of all j, of j >= 1, of
@@ -45,14 +48,13 @@ _SUMS = """\
 
 
 class Series:
-    """The lines of C of series: `first` computes their coefficients 0, `later` coefficients k."""
+    """The lines of C of series. lines() returns two lists: of coefficients 0, of coefficients k."""
 
     def __init__(
         self, work: Workspace, leaf: Callable[[Node], Code | None], state: dict[Node, str]
     ):
         self.work, self.leaf, self.of = work, leaf, dict(state)
-        self.first: list[str] = []
-        self.later: list[str] = []
+        self._made: list[tuple[str, str, str]] = []  # a series, and its two lines or ""
         self._pairs: dict[tuple[str, str], tuple[str, str]] = {}
         self._products: dict[tuple[str, str], str] = {}
         self._scaled: dict[str, tuple[str, str]] = {}  # series that are a factor times another
@@ -61,8 +63,16 @@ class Series:
     def add(self, roots: Iterable[Node]) -> None:
         """Adds the series of the roots and of all nodes below them."""
         for node in self.work.reachable(roots):
-            if not self.work.fixed[node] and node not in self.of:
+            if not self.work.fixed[node] and node not in self.of and not self._side(node):
                 self.of[node] = self._series(node)
+
+    def _side(self, node: Node) -> str:
+        """Returns the C text of the side of a switch, which is constant; "" for other nodes."""
+        w = self.work
+        if w.op[node] is Op.MULTIPLY and w.args[node][0] == MINUS_ONE:
+            side = self._side(w.args[node][1])
+            return f"-{side}" if side else ""
+        return str(self.leaf(node)) if getattr(w.data[node], "kind", "") is SIDE else ""
 
     def zero(self, node: Node) -> str:
         """Returns the C text of coefficient 0."""
@@ -75,18 +85,33 @@ class Series:
         """Returns the C text of coefficient k > 0."""
         return f"{self.of[node]}_##pk_k" if node in self.of else "0"
 
-    def _set(self, name: str, first: str, later: str, beside: bool = False) -> str:
-        """Adds a series; one `beside` another may be used up to a lower order, or not at all."""
-        self.first.append(f"const pk_real {name}_0 = {first};")
-        self.later.append(f"const pk_real {name}_##pk_k = {later};")
-        if beside:
-            self.first.append(f"(void){name}_0;")
-            self.later.append(f"(void){name}_##pk_k;")
+    def lines(self, ends: list[str]) -> tuple[list[str], list[str]]:
+        """Returns the lines of the series that others, or `ends`, need. A coefficient of a late
+        order may still be unused."""
+        needed, size = set(_names(ends)), 0
+        while size < len(needed):  # some series need each other
+            size = len(needed)
+            for name, *lines in reversed(self._made):
+                needed.update(_names(lines) if name in needed else ())
+        found = [made for made in self._made if made[0] in needed]
+        unused = [f" (void){name}_##pk_k;" for name, _, _ in found]
+        return [first for _, first, _ in found if first], [
+            later + more for (_, _, later), more in zip(found, unused, strict=True) if later
+        ]
+
+    def _set(self, name: str, first: str, later: str) -> str:
+        first, later = (
+            f"const pk_real {name}_0 = {first};",
+            f"const pk_real {name}_##pk_k = {later};",
+        )
+        self._made.append((name, first, later))
         return name
 
     def _series(self, node: Node) -> str:
         w, x = self.work, f"x{node}"
         op, args = w.op[node], w.args[node]
+        if op is Op.CALL and self._side(args[0]):
+            return self.branch(x, str(w.data[node]), *args)
         zeros = [self.zero(a) for a in args]
         moving = [self.of[a] for a in args if a in self.of]
         if op is Op.SYMBOL:  # t
@@ -97,7 +122,7 @@ class Series:
             factor = "- " if args[0] == MINUS_ONE else f"{zeros[args[0] in self.of]} * "
             before, base = self._scaled.get(moving[0], ("", moving[0]))
             self._scaled[x] = factor + before, base
-            return self._set(x, f"{factor}{moving[0]}_0", f"{factor}{moving[0]}_##pk_k", True)
+            return self._set(x, f"{factor}{moving[0]}_0", f"{factor}{moving[0]}_##pk_k")
         if op is Op.MULTIPLY:
             return self.product(x, *moving)
         a = moving[0]
@@ -117,12 +142,25 @@ class Series:
                 if a == b == cosine and square:
                     later = f"{'-' if of == 'sin' else ''}{square}_##pk_k"
             y = f"{x}b" if factor else x
-            self._products[key] = self._set(y, f"{a}_0 * {b}_0", later, a == b)
+            self._products[key] = self._set(y, f"{a}_0 * {b}_0", later)
         y = self._products[key]
         if not factor:
             return y
         self._scaled[x] = factor, y
-        return self._set(x, f"{factor}{y}_0", f"{factor}{y}_##pk_k", True)
+        return self._set(x, f"{factor}{y}_0", f"{factor}{y}_##pk_k")
+
+    def branch(self, x: str, function: str, side: Node, *args: Node) -> str:
+        """Returns the series of a function with a kink: of the branch on a side of its switch, or,
+        without a side, of the branch at coefficient 0."""
+        row = FUNCTIONS[function.removeprefix(SIDE_OF)]
+        named = dict(zip(row.arguments, args, strict=True))
+        place, given = " - ".join(map(self.zero, args)), self._side(side)
+        above = f"const int {x}above = ({given} ? {given} : {place}) > 0;"
+        self._made.append((f"{x}above", above, ""))
+        ends = [(b[:-1] if b[1:] else "", b[-1]) for b in (row.kinked.above, row.kinked.below)]
+        zeros = [sign + self.zero(named[b]) if b in named else sign + b for sign, b in ends]
+        at = [sign + self.at(named[b]) if b in named else "0" for sign, b in ends]
+        return self._set(x, f"{x}above ? {zeros[0]} : {zeros[1]}", f"{x}above ? {at[0]} : {at[1]}")
 
     def reciprocal(self, x: str, a: str) -> str:
         return self._set(x, f"1 / {a}_0", f"-PK_JET_TAIL(pk_k, {a}, {x}) * {x}_0")
@@ -131,15 +169,15 @@ class Series:
         """Returns the series of j a_j."""
         if a not in self._weighted:
             self._weighted[a] = f"{a}d"
-            self.later.append(f"const pk_real {a}d_##pk_k = pk_k * {a}_##pk_k; (void){a}d_##pk_k;")
+            self._made.append((f"{a}d", "", f"const pk_real {a}d_##pk_k = pk_k * {a}_##pk_k;"))
         return self._weighted[a]
 
     def pair(self, sine: str, cosine: str, sign: str, x: str, a: str) -> tuple[str, str]:
         """Returns the series of sin and cos, or with sign "" of sinh and cosh, of a."""
         if (sine, a) not in self._pairs:
             d, s, c = self.weighted(a), f"{x}s", f"{x}c"
-            self._set(s, f"PK_F({sine})({a}_0)", f"PK_JET_PART(pk_k, {d}, {c})", True)
-            self._set(c, f"PK_F({cosine})({a}_0)", f"{sign}PK_JET_PART(pk_k, {d}, {s})", True)
+            self._set(s, f"PK_F({sine})({a}_0)", f"PK_JET_PART(pk_k, {d}, {c})")
+            self._set(c, f"PK_F({cosine})({a}_0)", f"{sign}PK_JET_PART(pk_k, {d}, {s})")
             self._pairs[sine, a] = s, c
         return self._pairs[sine, a]
 
@@ -174,11 +212,11 @@ class Series:
             f"PK_F({function})({a}_0)",
             f"{a}_##pk_k {sign} PK_JET_PART(pk_k, {d}, {square})",
         )
-        self._set(square, f"{x}_0 * {x}_0", f"PK_JET_TIMES(pk_k, {x}, {x})", True)
+        self._set(square, f"{x}_0 * {x}_0", f"PK_JET_TIMES(pk_k, {x}, {x})")
         return x
 
     def atan(self, x: str, a: str) -> str:
-        by = self._set(f"{x}q", f"1 + {a}_0 * {a}_0", f"PK_JET_TIMES(pk_k, {a}, {a})", True)
+        by = self._set(f"{x}q", f"1 + {a}_0 * {a}_0", f"PK_JET_TIMES(pk_k, {a}, {a})")
         return self.solved(x, f"PK_F(atan)({a}_0)", a, by)
 
 
@@ -206,12 +244,17 @@ def jet(
     solver = _Solver(n, mass, series)
     first = [f"const pk_real {z}_0 = {z[0]}[{z[1:]}];" for z in x]
     first += [f"c[{i}] = {z}_0;" for i, z in enumerate(x)]
+    head = fold_call(signature(name, "PK_RESTRICT "))
+    factor, solved = [*solver.factor()], [*solver.later(force)]
+    of_first, of_later = series.lines([*factor, *solver.first(force), *solved])
+    first += [*of_first, *factor, "(void)p, (void)t, (void)u;"]
+    first.append(f"if (order < 1 || order > {ORDER}) return order != 0;")
+    start = [*solver.first(force), *ends]
+    later = [*of_later, *solved, *ends]
+    if sum("PK_JET_" in line for line in later) > LONGEST:
+        return looped(head, name, first, start, later)
     body = [
         *first,
-        *series.first,
-        *solver.factor(),
-        "(void)p, (void)t, (void)u;",
-        f"if (order < 1 || order > {ORDER}) return order != 0;",
         f"{name}_JET_0(0, 1)",
         *(f"{name}_JET_K({k}, {k + 1})" for k in range(1, ORDER)),
         "return 0;",
@@ -219,13 +262,19 @@ def jet(
     return "".join(
         (
             _sums(),
-            _macro(f"{name}_JET_0(pk_k, pk_k1)", [*solver.first(force), *ends]),
-            _macro(f"{name}_JET_K(pk_k, pk_k1)", [*series.later, *solver.later(force), *ends]),
-            fold_call(signature(name, "PK_RESTRICT ")) + "\n{\n",
+            _macro(f"{name}_JET_0(pk_k, pk_k1)", start),
+            _macro(f"{name}_JET_K(pk_k, pk_k1)", later),
+            head + "\n{\n",
             "\n".join(fold(line, 4) for line in body),
             "\n}\n",
         )
     )
+
+
+def _names(lines: Iterable[str]) -> Iterator[str]:
+    """Yields the names in lines of C, without the orders of coefficients."""
+    for line in lines:
+        yield from re.findall(r"[A-Za-z]\w*?(?=_0\b|_##|\b)", line)
 
 
 def signature(name: str, restrict: str = "") -> str:
@@ -265,7 +314,7 @@ def _macro(head: str, lines: list[str]) -> str:
 
 class _Solver:
     """The lines of C that solve M a = f by M = L D L^T. Only entries of L that may be nonzero are
-    written: l_i_k. M is factored once, at the start."""
+    written: lIkK in row I, column K. M is factored once, at the start."""
 
     def __init__(self, n: int, mass: list[Node], series: Series):
         self.n, self.mass, self.series = n, mass, series
@@ -281,11 +330,11 @@ class _Solver:
         for i, row in enumerate(self.below):
             for k in row:
                 entry = self.series.zero(self.mass[i * self.n + k])
-                known = [f"g_{i}_{j} * l_{k}_{j}" for j in row if j in self.below[k]]
-                yield f"const pk_real g_{i}_{k} = {' - '.join([entry, *known])};"
-                yield f"const pk_real l_{i}_{k} = g_{i}_{k} * inverse{k};"
+                known = [f"g{i}k{j} * l{k}k{j}" for j in row if j in self.below[k]]
+                yield f"const pk_real g{i}k{k} = {' - '.join([entry, *known])};"
+                yield f"const pk_real l{i}k{k} = g{i}k{k} * inverse{k};"
             diagonal = self.series.zero(self.mass[i * (self.n + 1)])
-            known = [f"g_{i}_{k} * l_{i}_{k}" for k in row]
+            known = [f"g{i}k{k} * l{i}k{k}" for k in row]
             yield f"const pk_real d{i} = {' - '.join([diagonal, *known])}, inverse{i} = 1 / d{i};"
             least = f"PK_PIVOT_MIN * {diagonal}" if row else "0"
             yield f"if (!(d{i} > {least})) return PK_FAILED(PK_FAILURE_MASS, {i});"
@@ -293,10 +342,10 @@ class _Solver:
     def solve(self, right: Callable[[int], str]) -> Iterator[str]:
         """Yields the lines of a_##pk_k, for the right-hand sides of each row of M a = f."""
         for i, row in enumerate(self.below):
-            known = [f"l_{i}_{k} * y{k}_##pk_k" for k in row]
+            known = [f"l{i}k{k} * y{k}_##pk_k" for k in row]
             yield f"const pk_real y{i}_##pk_k = {' - '.join([right(i), *known])};"
         for i in reversed(range(self.n)):
-            known = [f"l_{k}_{i} * a{k}_##pk_k" for k in range(i, self.n) if i in self.below[k]]
+            known = [f"l{k}k{i} * a{k}_##pk_k" for k in range(i, self.n) if i in self.below[k]]
             value = " - ".join([f"y{i}_##pk_k * inverse{i}", *known])
             yield f"const pk_real a{i}_##pk_k = {value};"
 

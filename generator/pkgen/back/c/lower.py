@@ -49,19 +49,20 @@ def lower(
     libm: bool = False,
     kept: frozenset[int] | None = None,
     plain: bool = False,
+    jets: bool = False,
 ) -> Program:
     """Returns straight-line code of the named kernels (None: of all that the model has). With
     `libm` sines and cosines are computed by the C library. Parameters whose index is not in `kept`
     are left out (None: none). With `plain` the C is to be embedded, without tables for the
-    runtime."""
-    made = _Lowering(equations, structure, libm, kept, plain).program(kernels)
+    runtime. With `jets` the kernel `jet` belongs to all kernels."""
+    made = _Lowering(equations, structure, libm, kept, plain).program(kernels, jets)
     solve = made.kernel("acceleration") if plain and not equations.constraints else None
     if solve is None or solve.operations.total() <= LONG or "mass" not in (kernels or {"mass"}):
         return made
     # For a pendulum of 20 links straight-line code is twice as fast as a loop, but takes half of
     # the file.
     by_loop = replace(equations, acceleration=None)
-    return _Lowering(by_loop, structure, libm, kept, plain).program(kernels)
+    return _Lowering(by_loop, structure, libm, kept, plain).program(kernels, jets)
 
 
 def parameters_read(equations: Equations, kernels: frozenset[str] | None) -> frozenset[int]:
@@ -124,8 +125,8 @@ class _Lowering(Hoisting):
         self.parameters = dict(zip(numbers, self.parameter_names, strict=True))
         self.symbols = _local_names(equations)
 
-    def program(self, wanted: frozenset[str] | None) -> Program:
-        names = needed_kernels(self.equations, wanted, self.plain)
+    def program(self, wanted: frozenset[str] | None, jets: bool = False) -> Program:
+        names = needed_kernels(self.equations, wanted, self.plain, jets)
         specs = [kernel(name) for name in (*KERNELS, *sorted(names - {*KERNELS})) if name in names]
         drafts = [self._draft(spec) for spec in specs]
         roots = [x for d in drafts for t in d.targets for x in t.nodes]

@@ -180,10 +180,10 @@ def _smooth(equations: Equations) -> bool:
 
 def has_series(e: Equations) -> bool:
     """Returns whether pkgen writes the kernel `jet` of the equations."""
-    if e.constraints or e.inputs or e.attitudes or e.model.struck or e.switches:
+    if e.constraints or e.inputs or e.model.meets or e.model.noises or e.impulsive:
         return False
-    g = e.graph
-    return expandable(g, reachable(g, [*sum(e.mass, ()), *e.force], VARIABLE))
+    g, in_pieces = e.graph, bool(e.switches) and all(x.held for x in e.switches)
+    return expandable(g, reachable(g, [*sum(e.mass, ()), *e.force], VARIABLE), in_pieces)
 
 
 def _definite(e: Equations) -> bool:

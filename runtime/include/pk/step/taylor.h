@@ -29,7 +29,7 @@ static inline pk_real *pk_taylor_c(const struct pk_integrator *it) { return it->
  * below -1000. */
 static inline pk_real pk_coarse_log2(pk_real x)
 {
-#ifdef PK_REAL_IS_DOUBLE
+#if !defined PK_FLOAT && !defined PK_LONG_DOUBLE && !defined PK_FLOAT128
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);
     const double e = (double)((int)(bits >> 52) - 1022);
@@ -48,7 +48,7 @@ static inline pk_real pk_coarse_exp2(pk_real x)
 {
     const pk_real whole = PK_F(floor)(x), f = x - whole;
     const pk_real m = (PK_C(0.337189) * f + PK_C(0.657636)) * f + PK_C(1.001725);
-#ifdef PK_REAL_IS_DOUBLE
+#if !defined PK_FLOAT && !defined PK_LONG_DOUBLE && !defined PK_FLOAT128
     const uint64_t bits = (uint64_t)((int)whole + 1023) << 52;
     double power;
     memcpy(&power, &bits, sizeof power);
@@ -78,30 +78,22 @@ static PK_INLINE pk_real pk_taylor_reach(const struct pk_integrator *it, const p
     return pk_coarse_exp2(pk_min(PK_C(1000.0), -pk_max(x, y) - PK_C(0.7) * e / (p - 1)));
 }
 
-/* Writes the polynomial, without its coefficient 0, at the time s after the start. The terms of odd
- * and of even orders are two sums, which a processor adds up side by side. */
-static PK_INLINE void pk_taylor_tail(const pk_real *PK_RESTRICT c, size_t m, int order, pk_real s,
-                                     pk_real *PK_RESTRICT y)
+/* Returns number i of the polynomial, without its coefficient 0, at the time s after the start. The
+ * terms of odd and of even orders are two sums, which a processor adds up side by side. Vectors of
+ * several i would be slower: they would wait for coefficients that were just stored one by one. */
+static PK_INLINE pk_real pk_taylor_tail(const pk_real *c, size_t m, int order, pk_real s, size_t i)
 {
-    enum { BLOCK = 4 };
-    const pk_real s2 = s * s;
-    for (size_t i = 0; i < m; i += BLOCK) {
-        const size_t width = m - i < BLOCK ? m - i : BLOCK;
-        pk_real sum[BLOCK] = {0}, other[BLOCK] = {0};
-        int k = order;
-        if (order % 2) {
-            for (size_t j = 0; j < width; j++)
-                other[j] = c[(size_t)order * m + i + j];
-            k--;
-        }
-        for (; k > 0; k -= 2)
-            for (size_t j = 0; j < width; j++) {
-                sum[j] = s2 * (sum[j] + c[(size_t)k * m + i + j]);
-                other[j] = s2 * other[j] + c[(size_t)(k - 1) * m + i + j];
-            }
-        for (size_t j = 0; j < width; j++)
-            y[i + j] = sum[j] + s * other[j];
+    const pk_real s2 = s * s, *at = c + (size_t)order * m + i;
+    pk_real even = 0, odd = 0;
+    if (order % 2) {
+        odd = *at;
+        at -= m;
     }
+    for (int k = order / 2; k > 0; k--, at -= 2 * m) {
+        even = s2 * (even + at[0]);
+        odd = s2 * odd + *(at - m);
+    }
+    return even + s * odd;
 }
 
 #endif
@@ -137,10 +129,9 @@ static PK_INLINE enum pk_status PK_STEPPER(taylor_step)(struct pk_integrator *it
     struct pk_trial x = pk_trial(it, limit);
     if (!pk_trial_next(it, limit, &x))
         return pk_underflow(it, x.planned);
-    pk_taylor_tail(c, m, order, x.h, to);
     for (size_t i = 0; i < m; i++) { /* PK_Q and PK_V are adjacent, as their low parts are */
         to_rest[i] = rest[i];
-        to[i] = pk_sum(from[i], to[i], &to_rest[i]);
+        to[i] = pk_sum(from[i], pk_taylor_tail(c, m, order, x.h, i), &to_rest[i]);
     }
     if (!pk_all_finite(to, m))
         return PK_NOT_FINITE;
