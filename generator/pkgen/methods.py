@@ -133,7 +133,9 @@ def in_lanes(method: Method | None, structure: object) -> bool:
     family = method.inlined if method else ""
     if family == "SPLITTING":
         return provides(structure, "separable")
-    return family in {"ERK", "EMBEDDED"}
+    return family in {"ERK", "EMBEDDED"} or (
+        family == "TAYLOR" and provides(structure, "series") and getattr(structure, "smooth", False)
+    )
 
 
 NONE = Method("", frozenset(), ())  # a method outside the registry: GSL's without GSL

@@ -207,6 +207,21 @@ PK_EMBEDDED_METHODS(PK_INLINED_BLOCK_EMBEDDED)
 #ifdef PK_INLINE_SPLITTING
 PK_SPLITTING_METHODS(PK_INLINED_BLOCK_SPLITTING)
 #endif
+#ifdef PK_MODEL_JET_WIDE
+/* Coefficients of a few states only, so that they fit into the L1 cache. */
+enum { PK_STEPPER(jet_lanes) = 16 };
+static unsigned long long PK_STEPPER(block_jets)(struct pk_block *b)
+{
+    unsigned long long failed = 0;
+    for (size_t l = 0; l < PK_STEPPER(jet_lanes); l += PK_WIDE)
+        failed |= (unsigned long long)PK_MODEL(jet_wide)(PK_STEPPER(jet_lanes), b->P + l, b->t + l,
+                                                         b->state + l, b->order, b->work + l)
+                  << l;
+    return failed;
+}
+#define PK_INLINED_BLOCK_ENTRY_TAYLOR(method) \
+    {#method, PK_STEPPER(jet_lanes), NULL, PK_STEPPER(block_jets), NULL, NULL},
+#endif
 static const struct pk_block_stepper PK_STEPPER(block_steppers)[] = {
 #ifdef PK_INLINE_ERK
     PK_ERK_METHODS(PK_INLINED_BLOCK_ENTRY)
@@ -217,7 +232,11 @@ static const struct pk_block_stepper PK_STEPPER(block_steppers)[] = {
 #ifdef PK_INLINE_SPLITTING
             PK_SPLITTING_METHODS(PK_INLINED_BLOCK_ENTRY)
 #endif
-                {NULL, 0, NULL, NULL, NULL, NULL}};
+#ifdef PK_MODEL_JET_WIDE
+                PK_TAYLOR_METHODS(PK_INLINED_BLOCK_ENTRY_TAYLOR)
+#undef PK_INLINED_BLOCK_ENTRY_TAYLOR
+#endif
+                    {NULL, 0, NULL, NULL, NULL, NULL}};
 #undef PK_INLINED_VALUES
 #else
 #define PK_INLINE_BLOCK_STEPPERS NULL

@@ -9,6 +9,7 @@
 #include <pk/adaptive_lanes.h>
 #include <pk/events.h>
 #include <pk/step/embedded.h>
+#include <pk/step/taylor.h>
 
 #include "../events/events.h"
 #include "event_screen.h"
@@ -51,7 +52,7 @@ void pk_lanes_init(struct pk_lanes *a, const struct pk_problem *problem,
 {
     const struct pk_system *system = problem->system;
     const struct pk_splitting *splitting = pk_splitting_table(method);
-    const int stages = splitting ? splitting->stages : pk_explicit_table(method)->stages;
+    const int stages = splitting ? splitting->stages : pk_block_stages(method);
     memset(a, 0, sizeof *a);
     memset(block, 0, size);
     a->method = method;
@@ -285,8 +286,47 @@ static void make_many(struct pk_lanes *a, const struct pk_lane *lanes, unsigned 
     }
 }
 
+/* Computes the Taylor coefficients for the next step of each lane; the step itself is short. */
+static void make_jets(struct pk_lanes *a, const struct pk_lane *lanes)
+{
+    struct pk_block *b = &a->b;
+    unsigned long long live = 0, loaded = a->loaded;
+    for (size_t l = 0; l < a->lanes; l++) {
+        struct pk_integrator *it = lanes[l].it;
+        struct pk_ahead *ahead = &a->ahead[l];
+        ahead->ready = 0;
+        if (!it || !pk_ready(it) || !(it->t < lanes[l].limit || it->t > lanes[l].limit))
+            continue;
+        if (it->own->ahead != ahead || !(loaded >> l & 1)) {
+            it->own->ahead = ahead;
+            pk_block_load(b, it, it->problem.params, l);
+            a->loaded |= 1ull << l;
+        }
+        for (size_t i = 0; i < b->n_q + b->n; i++)
+            b->state[i * b->lanes + l] = it->own->state[i];
+        b->t[l] = ahead->from = ahead->end = it->t;
+        ahead->h = 0;
+        b->order = pk_taylor_order(it);
+        live |= 1ull << l;
+    }
+    if (bits(live) * FEW <= a->lanes)
+        return;
+    for (size_t l = 0; l < a->lanes; l++)
+        if (!(a->loaded >> l & 1))
+            pk_block_copy_lane(b, pk_lowest(live), l), b->t[l] = b->t[pk_lowest(live)];
+    live &= ~a->stepper->attempt(b);
+    for (size_t l = 0; l < a->lanes; l++) {
+        a->ahead[l].slopes = b->work + l;
+        a->ahead[l].ready = live >> l & 1;
+    }
+}
+
 void pk_lanes_make(struct pk_lanes *a, const struct pk_lane *lanes)
 {
+    if (a->method->traits & PK_JETS) {
+        make_jets(a, lanes);
+        return;
+    }
     struct pk_block *b = &a->b;
     const struct pk_splitting *splitting = pk_splitting_table(a->method);
     unsigned long most[PK_BLOCK_MOST];

@@ -9,8 +9,10 @@
 /* Returns the stepper of blocks, or NULL if members run one after the other. */
 static const struct pk_block_stepper *stepper(const struct pk_ensemble *e)
 {
-    return e->options.h > 0 && !e->system->constraints.n && !e->system->noise.n ? pk_block_stepper_of(e->system, e->method)
-                                                         : NULL;
+    return e->options.h > 0 && !(e->method->traits & PK_JETS) && !e->system->constraints.n &&
+                   !e->system->noise.n
+               ? pk_block_stepper_of(e->system, e->method)
+               : NULL;
 }
 
 int pk_ensemble_fixed(const struct pk_ensemble *e)

@@ -110,14 +110,16 @@ size_t pk_block_lay_out(struct pk_block *b, const struct pk_problem *problem,
     b->n_q = n_q;
     b->n = n;
     b->lanes = W;
-    const struct pk_slot slots[] = {{&b->state, parts},
-                                    {&b->next, parts},
-                                    {&b->spare, spares ? parts : 0},
-                                    {&b->P, pk_params_reals(system) * W},
-                                    {&b->u, u * W},
-                                    {&b->t, W},
-                                    {&b->work, pk_block_reals(pk_block_stages(method), n_q, n, W)},
-                                    {&b->lane, n_q + 2 * n + u}};
+    const struct pk_slot slots[] = {
+        {&b->state, parts},
+        {&b->next, parts},
+        {&b->spare, spares ? parts : 0},
+        {&b->P, pk_params_reals(system) * W},
+        {&b->u, u * W},
+        {&b->t, W},
+        {&b->work, method->traits & PK_JETS ? (PK_JET_ORDER + 1) * (n_q + n) * W
+                                            : pk_block_reals(pk_block_stages(method), n_q, n, W)},
+        {&b->lane, n_q + 2 * n + u}};
     return PK_LAY_OUT(base, slots);
 }
 

@@ -10,7 +10,7 @@ Mathematics 14 (2005), pages 99-117, section 3.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from ...equations import Equations
 from ...functions import FUNCTIONS
@@ -19,6 +19,7 @@ from ...graph.graph import MINUS_ONE, ZERO, Kind, Node, Op, Symbol
 from .ctext import fold, fold_call
 from .expressions import Code
 from .jet_loops import LONGEST, looped
+from .jet_wide import Wide, wide
 from .rewrite import SIDE, Workspace
 
 ORDER = 30  # the largest order
@@ -224,9 +225,15 @@ LETTERS = {Kind.COORDINATE: "q", Kind.RATE: "v"}
 
 
 def jet(
-    e: Equations, work: Workspace, roots: list[Node], leaf: Callable[[Node], Code | None]
-) -> str:
-    """Returns the C function NAME_jet. `roots` are the nodes of rows(), rewritten."""
+    e: Equations,
+    work: Workspace,
+    roots: list[Node],
+    leaf: Callable[[Node], Code | None],
+    places: Mapping[str, int] | None,
+) -> tuple[str, str]:
+    """Returns the C functions NAME_jet, and NAME_jet_wide for members in lanes or "". `roots` are
+    the nodes of rows(), rewritten; `places` has the index of each member of the params, or is None
+    if there are no lanes."""
     name, n, own = e.model.name, len(e.force), e.own
     state = {
         node: f"{LETTERS[symbol.kind]}{symbol.index}"
@@ -252,14 +259,24 @@ def jet(
     start = [*solver.first(force), *ends]
     later = [*of_later, *solved, *ends]
     if sum("PK_JET_" in line for line in later) > LONGEST:
-        return looped(head, name, first, start, later)
+        return looped(head, name, first, start, later), ""
+    of = Wide(len(x), own, places or {})
+    in_lanes = places is not None and not any(line.startswith("const int") for line in first)
+    for_wide = wide(
+        name,
+        of,
+        first,
+        _macro(f"{name}_JET_WIDE_0(pk_k, pk_k1)", map(of.line, start)),
+        _macro(f"{name}_JET_WIDE(pk_k, pk_k1)", map(of.line, later)),
+        ORDER,
+    )
     body = [
         *first,
         f"{name}_JET_0(0, 1)",
         *(f"{name}_JET_K({k}, {k + 1})" for k in range(1, ORDER)),
         "return 0;",
     ]
-    return "".join(
+    text = "".join(
         (
             _sums(),
             _macro(f"{name}_JET_0(pk_k, pk_k1)", start),
@@ -269,6 +286,7 @@ def jet(
             "\n}\n",
         )
     )
+    return text, for_wide if in_lanes else ""
 
 
 def _names(lines: Iterable[str]) -> Iterator[str]:
@@ -306,7 +324,7 @@ def _sum(terms: list[tuple[str, str]]) -> str:
     return f"({' + '.join(found)})"
 
 
-def _macro(head: str, lines: list[str]) -> str:
+def _macro(head: str, lines: Iterable[str]) -> str:
     """Returns a macro of several lines."""
     found = "\n".join(fold(line, 4) for line in lines).split("\n")
     return "\n".join(f"{x:<98} \\" for x in [f"#define {head}", *found[:-1]]) + f"\n{found[-1]}\n"

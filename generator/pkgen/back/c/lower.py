@@ -136,6 +136,10 @@ class _Lowering(Hoisting):
         parameters, tables = self.equations.parameters, self.equations.model.tables
         # The members of lanes are numbers, not pointers. With contacts each has its own modes.
         in_lanes = not self.plain and not tables and not self.equations.model.meets
+        lanes = tuple(f for f in LANES if in_lanes and (wanted is None or f in wanted))
+        jets = [
+            self._jet(draft, "members" in lanes) for draft in drafts if draft.spec.name == "jet"
+        ]
         return Program(
             equations=self.equations,
             structure=self.structure,
@@ -150,10 +154,10 @@ class _Lowering(Hoisting):
             constants=tuple(self.constants),
             start=self._start(),
             kernels=tuple(self._kernel(draft) for draft in drafts if draft.spec.name != "jet"),
-            jet="".join(self._jet(draft) for draft in drafts if draft.spec.name == "jet"),
+            jet=jets[0] if jets else ("", ""),
             float_too=self.work.constants.float_too,
             helpers=tuple(sorted(self.helpers)),
-            lanes=tuple(f for f in LANES if in_lanes and (wanted is None or f in wanted)),
+            lanes=lanes,
             tables=tuple(zip(self.tables.values(), tables, strict=True)),
             plain=self.plain,
         )
@@ -184,8 +188,11 @@ class _Lowering(Hoisting):
             frozenset(new[x] for x in kept),
         )
 
-    def _jet(self, draft: _Draft) -> str:
-        return jet(self.equations, self.work, [t.nodes[0] for t in draft.targets], self.leaf)
+    def _jet(self, draft: _Draft, in_lanes: bool) -> tuple[str, str]:
+        names = [*self.parameter_names, *(x.c_name for x in self.constants)]
+        places = {name: k for k, name in enumerate(names)} if in_lanes else None
+        roots = [target.nodes[0] for target in draft.targets]
+        return jet(self.equations, self.work, roots, self.leaf, places)
 
     def _kernel(self, draft: _Draft) -> Kernel:
         spec, n = draft.spec, len(self.equations.coordinates)

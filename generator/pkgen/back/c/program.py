@@ -151,7 +151,8 @@ class Program:
     helpers: tuple[str, ...]  # Functions that <math.h> lacks: "min", "step", ...
     lanes: tuple[str, ...] = ()  # A subset of LANES.
     tables: tuple[tuple[str, Table], ...] = ()  # with the name of its member of NAME_params
-    jet: str = ""  # The C function of Taylor coefficients, if it is asked for.
+    # The C functions of Taylor coefficients, of one state and of states in lanes, or "".
+    jet: tuple[str, str] = ("", "")
     plain: bool = False  # C to be embedded, without the runtime's tables.
 
     def kernel(self, name: str) -> Kernel | None:

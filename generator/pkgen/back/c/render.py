@@ -296,7 +296,8 @@ def _context(program: Program) -> dict[str, Any]:
     return {
         **frame(equations.model, program.structure, present, parameters, names, program.tables),
         "sincos_header": pasted("sincos.h") if program.has_sincos else "",
-        "jet": signature(program.equations.model.name) if program.jet else "",
+        "jet": signature(program.equations.model.name) if program.jet[0] else "",
+        "jet_wide": program.jet[1],
         "jet_says": jet.SAYS.replace("NAME", program.equations.model.name),
         "plain": program.plain,
         **(EMBEDDED if program.plain else {}),
@@ -387,7 +388,7 @@ def _functions(program: Program) -> str:
             found += LaneCode(program, code).functions(solve)
         else:
             found += [*code.parts(), code.definition(solve)]
-    found += [program.jet] * bool(program.jet)
+    found += [program.jet[0]] * bool(program.jet[0])
     return "\n".join(x if isinstance(x, str) else x.text for x in found)
 
 

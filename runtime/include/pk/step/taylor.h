@@ -103,10 +103,16 @@ static PK_INLINE enum pk_status PK_STEPPER(jets)(struct pk_integrator *it, pk_re
                                                  size_t m, pk_real limit)
 {
     const pk_real *q = it->own->state, *v = q + PK_STEPPER_COORDINATES(it);
-    const int failed = PK_STEPPER_JET(it, it->t, q, v, it->own->u, order, c);
     it->count.evaluations += (unsigned long)order;
-    if (failed)
-        return pk_eval_failed(it, it->t, q, v, failed);
+    if (pk_ahead_serves(it->own->ahead, it->t, 0, it->t)) {
+        const size_t count = ((size_t)order + 1) * m, lanes = it->own->ahead->lanes;
+        for (size_t i = 0; i < count; i++)
+            c[i] = it->own->ahead->slopes[i * lanes];
+    } else {
+        const int failed = PK_STEPPER_JET(it, it->t, q, v, it->own->u, order, c);
+        if (failed)
+            return pk_eval_failed(it, it->t, q, v, failed);
+    }
     pk_real h = pk_taylor_reach(it, c, order, m);
     if (!(h > 0))
         return PK_NOT_FINITE;

@@ -81,6 +81,7 @@ class _Context(Prepared):
             "kernels": list(system.values()),
             "sincos_header": pasted("sincos.h") if any(b.trig for b in w.blocks) else "",
             "jet": "",
+            "jet_wide": "",
             "reductions": (),
             "events": tables.events(e),
             "cyclic": (),
