@@ -232,6 +232,7 @@ WAYS: dict[str, Way] = {
         "rk4", [f"--step={1 / n!r}" for n in (20, 50, 100, 250, 1000, 4000)]
     ),
     "pkgen dop853": _pkgen("dop853", [f"--rtol={10.0**-k!r}" for k in range(4, 13)]),
+    "pkgen taylor": _pkgen("taylor", [f"--rtol={10.0**-k!r}" for k in range(3, 14)]),
     f"{_version('heyoka')}, batch mode": _heyoka,
     f"{_version('scipy', 'distributed')}, DOP853": _scipy_dask,
     f"{_version('diffrax', 'jax')}, Dopri8 by vmap": _diffrax,
