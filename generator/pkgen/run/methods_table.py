@@ -16,8 +16,8 @@ HEADER = tuple(_COLUMNS.split(","))
 NOTE = """\
 h omega   limit below which the steps of an oscillation q'' = -omega^2 q do not grow
 h lambda  the same of a decay q'' = -lambda q'
-          none: all steps grow; any: none does; -: no answer, since adaptive_verlet takes no
-          damping and GSL keeps its tables. Adaptive methods: of their formula at a fixed step;
+          none: all steps grow; any: none does; -: no answer, since the order of taylor varies,
+          adaptive_verlet takes no damping and GSL keeps its tables. Adaptive methods: of their formula at a fixed step;
           respa: where nothing is fast.
 """
 
@@ -25,6 +25,7 @@ h lambda  the same of a decay q'' = -lambda q'
 # For each family, in the order of the table: when to use its methods.
 USES = {
     "GAUSS": "smooth motions, to any accuracy (the default)",
+    "TAYLOR": "smooth motions, at tight tolerances",
     "EMBEDDED": "motions with kinks, or of many coordinates",
     "RADAU": "stiff or strongly damped motions",
     "EXPONENTIAL": "linear models, exactly",
@@ -44,6 +45,7 @@ USES = {
 
 WORDS = {
     "linear drag": "separable but for linear drag",
+    "series": "expandable in Taylor series",
     "fast": "of which a part is named fast",
     "affine rates": "of constant M, its forces affine in the rates",
 }

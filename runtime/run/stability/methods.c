@@ -49,13 +49,13 @@ static void limits(struct json *j, const struct pk_method *method)
 
 static void described(struct json *j, const struct pk_method *m)
 {
-    static const char *const traits[] = {"symplectic", "symmetric", "adaptive", "implicit",
-                                         "dense",      "jacobians", "linear",   "no_inputs",
-                                         "exact",      "holonomic", "group",    "noise"};
+    static const char *const traits[] = {
+        "symplectic", "symmetric", "adaptive",  "implicit", "dense", "jacobians", "linear",
+        "no_inputs",  "exact",     "holonomic", "group",    "noise", "jets"};
     static const char *const facts[] = {
         "mass_constant", "mass_diagonal", "quadratic", "separable", "autonomous",
         "conservative",  "variational",   "smooth",    "affine",    "switched",
-        "linear_drag",   "affine_rates",  "fast"};
+        "linear_drag",   "affine_rates",  "fast",      "series"};
     json_open(j, NULL, '{');
     json_text(j, "name", m->name);
     json_reals(j, {"order", m->order}, {"stages", m->stages}, {"dense_order", m->dense_order});
