@@ -60,6 +60,23 @@ def test_motions_agree_with_dop853(seed, tmp_path):
         assert numpy.abs(a - b).max() <= 2e3 * rtol * max(1, numpy.abs(b).max()), name
 
 
+@pytest.mark.parametrize("seed", seeds(range(8), turning=2))
+def test_members_in_lanes_are_single_runs(seed, tmp_path):
+    """The vectors of members round as numbers do, so that all bits agree."""
+    dice = random.Random(seed)
+    path, how = tmp_path / "drawn.lag", {"until": 3, "every": 1.1, "method": "taylor"}
+    path.write_text(drawn(dice))
+    table = {"k": [dice.uniform(0.5, 1.2) for _ in range(37)]}
+    table["q0"] = [dice.uniform(-1, 1) for _ in range(37)]
+    model = pkgen.load(path)
+    found = model.ensemble(table, **how)
+    for member in (0, 5, 36):  # one member alone is not in lanes
+        alone = model.ensemble({name: x[member : member + 1] for name, x in table.items()}, **how)
+        for name in ("t", "q0", "q0'"):
+            of = found[name].reshape(37, -1)[member]
+            assert numpy.array_equal(of, alone[name].ravel()), (name, member)
+
+
 LINEAR = "model spring\ncoord x\nkinetic x'^2/2\npotential x^2/2\nstart x = 1\n"
 
 

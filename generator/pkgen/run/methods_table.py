@@ -17,8 +17,8 @@ NOTE = """\
 h omega   limit below which the steps of an oscillation q'' = -omega^2 q do not grow
 h lambda  the same of a decay q'' = -lambda q'
           none: all steps grow; any: none does; -: no answer, since the order of taylor varies,
-          adaptive_verlet takes no damping and GSL keeps its tables. Adaptive methods: of their formula at a fixed step;
-          respa: where nothing is fast.
+          adaptive_verlet takes no damping and GSL keeps its tables. Adaptive methods: of
+          their formula at a fixed step; respa: where nothing is fast.
 """
 
 

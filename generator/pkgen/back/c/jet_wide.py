@@ -22,10 +22,11 @@ static unsigned {}_jet_wide(size_t W, const pk_real *P, const pk_real *at, const
 
 
 class Wide:
-    """Translates lines of jets.jet(). `places` maps the members of the params to their index."""
+    """Translates lines of jets.jet(). `own` is the number of coordinates; `places` maps the members
+    of the params to their index."""
 
-    def __init__(self, size: int, own: int, places: Mapping[str, int]):
-        self.size, self.own, self.places = size, own, places
+    def __init__(self, own: int, places: Mapping[str, int]):
+        self.own, self.places = own, places
         self.used: dict[str, str] = {}  # C text of a member -> the name of its vector
 
     def line(self, text: str) -> str:

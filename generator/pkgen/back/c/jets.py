@@ -260,16 +260,6 @@ def jet(
     later = [*of_later, *solved, *ends]
     if sum("PK_JET_" in line for line in later) > LONGEST:
         return looped(head, name, first, start, later), ""
-    of = Wide(len(x), own, places or {})
-    in_lanes = places is not None and not any(line.startswith("const int") for line in first)
-    for_wide = wide(
-        name,
-        of,
-        first,
-        _macro(f"{name}_JET_WIDE_0(pk_k, pk_k1)", map(of.line, start)),
-        _macro(f"{name}_JET_WIDE(pk_k, pk_k1)", map(of.line, later)),
-        ORDER,
-    )
     body = [
         *first,
         f"{name}_JET_0(0, 1)",
@@ -286,7 +276,14 @@ def jet(
             "\n}\n",
         )
     )
-    return text, for_wide if in_lanes else ""
+    if places is None or any(line.startswith("const int") for line in first):
+        return text, ""  # lanes may be on different branches of a function with a kink
+    of = Wide(own, places)
+    macros = (
+        _macro(f"{name}_JET_WIDE{end}(pk_k, pk_k1)", map(of.line, lines))
+        for end, lines in (("_0", start), ("", later))
+    )
+    return text, wide(name, of, first, *macros, ORDER)
 
 
 def _names(lines: Iterable[str]) -> Iterator[str]:
