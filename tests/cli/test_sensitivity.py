@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+import re
 from pathlib import Path
 
 import numpy
@@ -37,10 +38,16 @@ def options(method: str) -> dict[str, object]:
 
 def with_kinks(text: str, chance: random.Random) -> str:
     """Adds forces with kinks and jumps, and an event after which the motion goes on otherwise."""
-    edge = chance.uniform(-0.3, 0.3)
+    start, k2 = (float(re.search(rf"{x} = (-?[\d.]+)", text)[1]) for x in ("start q0", "k2"))
+
+    def beside(place: float, scale: float = 1.0) -> float:
+        """The start is not so close to a jump that differences cross it."""
+        return place + (0.05 if abs(start - scale * place) < 0.02 else 0)
+
+    edge = beside(chance.uniform(-0.3, 0.3))
     text += f"force q0 = -{chance.uniform(0.5, 2):.3f}*k0*abs(q0 - {edge:.3f})\n"
-    text += f"force q0 = 0.4*k1*step(q0 - {chance.uniform(-0.5, 0.5):.3f}*k2)\n"
-    place = chance.uniform(0.0, 0.4)
+    text += f"force q0 = 0.4*k1*step(q0 - {beside(chance.uniform(-0.5, 0.5), k2):.3f}*k2)\n"
+    place = beside(chance.uniform(0.0, 0.4))
     then = "q0' = q0' - 0.3*k1, q0 = q0 + 0.02*k0*(1 + t)"
     return text + f"event bump: q0 + 0.2*sin(t)*k2 > {place:.3f} then {then}\n"
 
