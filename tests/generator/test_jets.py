@@ -23,6 +23,7 @@ TERMS = (
     "sin({a} - {b})", "cos({a})*{b}", "exp({a}/3)", "log(2 + {a}^2)", "sqrt(2 + {a}*{b}/4)",
     "tan({a}/3)", "tanh({a} + {b})", "atan({a}*{b})", "sinh({a}/2)", "cosh({b}/2)", "{a}^3*{b}",
     "(3 + {a}*{b}/5)^(2/3)", "1/(3 + {a})", "{a}^2*sin(2*t)", "{b}/(4 + t + {a}^2)", "{a}*{b}",
+    "abs({a} - 0.3)*{b}", "max({a}, {b}/2)^2", "min({b}, 0.1 + {a})*{a}",
 )  # fmt: skip
 
 
@@ -60,7 +61,8 @@ def value(g, nodes, of):
         elif g.op[n] is Op.POWER:
             found[n] = x[0] ** (mpmath.mpf(data.numerator) / data.denominator)
         elif g.op[n] is Op.CALL:
-            ways = {"pow": lambda a, b: a**b, "reciprocal": lambda a: 1 / a}
+            ways = {"pow": lambda a, b: a**b, "reciprocal": lambda a: 1 / a, "abs": abs}
+            ways |= {"max": max, "min": min, "step": lambda a: mpmath.mpf(a > 0)}
             found[n] = ways.get(data, getattr(mpmath, data, None))(*x)
         else:
             found[n] = x[0] + x[1] if g.op[n] is Op.ADD else x[0] * x[1]
@@ -109,6 +111,8 @@ def loaded(text, directory):
     equations = derive.derive(model)
     e, structure = as_rates(equations, analyze.analyze(equations), None)
     program = lower.lower(e, structure, frozenset({"acceleration", "jet"}))
+    if not program.jet[0]:
+        pytest.skip("a kink that a run does not locate")
     made = Loaded(program, directory, optimise="-O0")
     assert made.prepare() == 0
     return e, made

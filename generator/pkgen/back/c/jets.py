@@ -10,7 +10,7 @@ Mathematics 14 (2005), pages 99-117, section 3.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from ...equations import Equations
 from ...functions import FUNCTIONS
@@ -111,8 +111,10 @@ class Series:
     def _series(self, node: Node) -> str:
         w, x = self.work, f"x{node}"
         op, args = w.op[node], w.args[node]
-        if op is Op.CALL and self._side(args[0]):
-            return self.branch(x, str(w.data[node]), *args)
+        function = str(w.data[node]).removeprefix(SIDE_OF)
+        if op is Op.CALL and FUNCTIONS[function].kinked:
+            sided = function != w.data[node]
+            return self.branch(x, function, self._side(args[0]) if sided else "0", args[sided:])
         zeros = [self.zero(a) for a in args]
         moving = [self.of[a] for a in args if a in self.of]
         if op is Op.SYMBOL:  # t
@@ -129,7 +131,7 @@ class Series:
         a = moving[0]
         if op is Op.POWER:  # rewrite() leaves no other power
             return self.reciprocal(x, a)
-        return FUNCTIONS[w.data[node]].series(self, x, a, *zeros[1:])
+        return FUNCTIONS[function].series(self, x, a, *zeros[1:])
 
     def product(self, x: str, a: str, b: str) -> str:
         """Returns the series of a b, x or an earlier one. Constant factors of a and b are taken out
@@ -150,13 +152,14 @@ class Series:
         self._scaled[x] = factor, y
         return self._set(x, f"{factor}{y}_0", f"{factor}{y}_##pk_k")
 
-    def branch(self, x: str, function: str, side: Node, *args: Node) -> str:
+    def branch(self, x: str, function: str, side: str, args: Sequence[Node]) -> str:
         """Returns the series of a function with a kink: of the branch on a side of its switch, or,
         without a side, of the branch at coefficient 0."""
-        row = FUNCTIONS[function.removeprefix(SIDE_OF)]
+        row = FUNCTIONS[function]
         named = dict(zip(row.arguments, args, strict=True))
-        place, given = " - ".join(map(self.zero, args)), self._side(side)
-        above = f"const int {x}above = ({given} ? {given} : {place}) > 0;"
+        place = " - ".join(map(self.zero, args))
+        place = place if side == "0" else f"({side} ? {side} : {place})"
+        above = f"const int {x}above = {place} > 0;"
         self._made.append((f"{x}above", above, ""))
         ends = [(b[:-1] if b[1:] else "", b[-1]) for b in (row.kinked.above, row.kinked.below)]
         zeros = [sign + self.zero(named[b]) if b in named else sign + b for sign, b in ends]
