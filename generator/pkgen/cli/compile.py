@@ -72,7 +72,7 @@ def run(options: argparse.Namespace) -> None:
         use=scene_use.of_compile(options),
         symmetric=True,
     )
-    if kernels and "jet" in kernels and not compilation.program.jet[0]:
+    if kernels and "jet" in kernels and not compilation.program.jet:
         raise UsageError(f"--kernels jet: {WITHOUT}")
     if chosen := scene.of(options, compilation.declared):
         scene_check.refuse_method(compilation, chosen)

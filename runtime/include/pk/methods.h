@@ -123,7 +123,7 @@
 #define PK_NEEDS_TAYLOR (PK_SERIES | PK_SMOOTH)
 #define PK_METHODS_TAYLOR(X, A)                                                                    \
     X(A, taylor, 0, 0, 30, PK_ADAPTIVE | PK_DENSE | PK_JETS, none,                                 \
-      "Taylor series of order 1 - ln(rtol)/2; A. Jorba, M. Zou, Exp. Math. 14 (2005) 99")
+      "Taylor series of order 1 - ln(rtol)/2 or more; A. Jorba, M. Zou, Exp. Math. 14 (2005) 99")
 
 #define PK_NEEDS_RADAU 0
 #define PK_METHODS_RADAU(X, A)                                                                     \

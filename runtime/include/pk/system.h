@@ -264,6 +264,7 @@ struct pk_system {
      * order. Returns 0, or a failure as acceleration(). NULL: left out. */
     int (*jet)(const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
                int order, pk_real *c);
+    int jet_fast; /* the order up to which jet() is straight-line code */
     /* Add new members here, at the end. */
 };
 

@@ -3,24 +3,31 @@
 
 #include <pk/step/taylor.h>
 
+#define MORE PK_C(1.5)
 enum { LEAST_ORDER = 4 };
 
-static int order_of(pk_real tolerance)
+/* Returns the order: that of least work where the work of a step grows as its square; and up to
+ * MORE times that where higher orders are cheap, for then longer steps cost less. */
+static int order_of(pk_real tolerance, int fast)
 {
-    const int order = (int)(PK_C(1.999) - PK_F(log)(pk_max(tolerance, PK_EPS)) / 2);
+    const pk_real e = -PK_F(log)(pk_max(tolerance, PK_EPS)) / 2;
+    const int least = (int)(PK_C(1.999) + e), more = (int)(PK_C(1.999) + MORE * e);
+    const int order = fast < least ? least : fast < more ? fast : more;
     return order < LEAST_ORDER ? LEAST_ORDER : order > PK_JET_ORDER ? PK_JET_ORDER : order;
 }
 
 static enum pk_status init(struct pk_integrator *it)
 {
-    it->own->work[0] = (pk_real)order_of(it->options.rtol);
+    const int order = order_of(it->options.rtol, it->problem.system->jet_fast);
+    it->own->work[0] = (pk_real)order;
+    it->own->work[1] = PK_F(log2)(pk_max(it->options.rtol, PK_EPS)) / (pk_real)order;
     return PK_DONE;
 }
 
 static size_t size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
     (void)method;
-    return (PK_JET_ORDER + 1) * (pk_coordinates_of(problem) + n) + 1;
+    return (PK_JET_ORDER + 1) * (pk_coordinates_of(problem) + n) + 2;
 }
 
 static enum pk_status step(struct pk_integrator *it, pk_real limit)

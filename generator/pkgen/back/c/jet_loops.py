@@ -10,7 +10,6 @@ import re
 
 from .ctext import fold
 
-LONGEST = 60  # the largest number of sums for straight-line code
 _SUMS = """\
 /* Sums of a_j b_(k-j): of 0 < j < k, of j >= 1, of all j, and of these with j >= 1 over k. */
 static pk_real NAME_jet_middle(int k, const pk_real *a, const pk_real *b)

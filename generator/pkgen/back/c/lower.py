@@ -22,7 +22,7 @@ from .chunk import blocks
 from .constants import constants
 from .expressions import Code, variable
 from .hoist import Hoisting, rewritten
-from .jets import jet
+from .jet_kernel import Jet, jet
 from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
 from .program import LANES, Field, Interval, Kernel, Program, Statement, operations_in
 from .rewrite import SIDE, rewrite
@@ -154,7 +154,7 @@ class _Lowering(Hoisting):
             constants=tuple(self.constants),
             start=self._start(),
             kernels=tuple(self._kernel(draft) for draft in drafts if draft.spec.name != "jet"),
-            jet=jets[0] if jets else ("", ""),
+            jet=jets[0] if jets else None,
             float_too=self.work.constants.float_too,
             helpers=tuple(sorted(self.helpers)),
             lanes=lanes,
@@ -188,7 +188,7 @@ class _Lowering(Hoisting):
             frozenset(new[x] for x in kept),
         )
 
-    def _jet(self, draft: _Draft, in_lanes: bool) -> tuple[str, str]:
+    def _jet(self, draft: _Draft, in_lanes: bool) -> Jet:
         names = [*self.parameter_names, *(x.c_name for x in self.constants)]
         places = {name: k for k, name in enumerate(names)} if in_lanes else None
         roots = [target.nodes[0] for target in draft.targets]

@@ -18,6 +18,7 @@ from ...record import record
 from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, MIRROR, RETURN, STORE, TRIG, Output
 from .constants import Constant
 from .expressions import Code, base
+from .jet_kernel import Jet
 
 LANES = ("lanes", "members")  # Many states with common or own parameters.
 
@@ -151,8 +152,7 @@ class Program:
     helpers: tuple[str, ...]  # Functions that <math.h> lacks: "min", "step", ...
     lanes: tuple[str, ...] = ()  # A subset of LANES.
     tables: tuple[tuple[str, Table], ...] = ()  # with the name of its member of NAME_params
-    # The C functions of Taylor coefficients, of one state and of states in lanes, or "".
-    jet: tuple[str, str] = ("", "")
+    jet: Jet | None = None  # the functions of Taylor coefficients, if they are asked for
     plain: bool = False  # C to be embedded, without the runtime's tables.
 
     def kernel(self, name: str) -> Kernel | None:

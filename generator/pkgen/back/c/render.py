@@ -30,7 +30,7 @@ from . import parameter_code, tables
 from .ctext import comment, fold, fold_call, paragraph, string
 from .describe import entries, labelled, operations_rows
 from .helpers import helpers
-from .jets import signature
+from .jet_kernel import signature
 from .kernel_code import KernelCode
 from .lane_code import LANE_ARGUMENTS, LaneCode
 from .program import FamilyProgram, Kernel, Program, operations_text
@@ -296,8 +296,9 @@ def _context(program: Program) -> dict[str, Any]:
     return {
         **frame(equations.model, program.structure, present, parameters, names, program.tables),
         "sincos_header": pasted("sincos.h") if program.has_sincos else "",
-        "jet": signature(program.equations.model.name) if program.jet[0] else "",
-        "jet_wide": program.jet[1],
+        "jet": signature(program.equations.model.name) if program.jet else "",
+        "jet_wide": program.jet.wide if program.jet else "",
+        "jet_fast": program.jet.fast if program.jet else 0,
         "jet_says": jet.SAYS.replace("NAME", program.equations.model.name),
         "plain": program.plain,
         **(EMBEDDED if program.plain else {}),
@@ -388,7 +389,7 @@ def _functions(program: Program) -> str:
             found += LaneCode(program, code).functions(solve)
         else:
             found += [*code.parts(), code.definition(solve)]
-    found += [program.jet[0]] * bool(program.jet[0])
+    found += [program.jet.one] if program.jet else []
     return "\n".join(x if isinstance(x, str) else x.text for x in found)
 
 

@@ -1,9 +1,10 @@
 /* The Taylor method: a step evaluates the Taylor polynomial of the motion, whose coefficients the
  * kernel `jet` computes. The polynomial is also the dense output. The order is 1 - ln(rtol)/2, with
- * which the work per unit of time is least. The step size h follows from the last two coefficients
- * x_(p-1), x_p and the tolerances d:
+ * which the work per unit of time is least, or higher. The step size h follows from the last three
+ * coefficients x_k, k = p - 2, p - 1, p, and the tolerances d. At a step of r times the radius of
+ * convergence they are as 1/r^2 : 1/r : 1, and r = rtol^(1/p) is expected:
  *
- *     h = exp(-0.7/(p - 1)) min(h1, h2),   |x_(p-1)| h1^(p-1) = d,   |x_p| h2^p = d/e^2
+ *     |x_k| h_k^k r^(p - k) = d/e^2,   h = exp(-0.7/(p - 1)) min(h_k)
  *
  * A step is never repeated for its error. The first coefficient is added last, by a compensated
  * sum, so that rounding errors of the energy grow as a random walk does. This file has the code
@@ -21,9 +22,12 @@
 
 #define PK_TAYLOR_METHODS(X) PK_METHODS_TAYLOR(PK_NAME_OF, X)
 
-/* The work memory: the order, then the coefficients, m = n_q + n numbers for each order. */
+enum { PK_TAYLOR_LAST = 3 }; /* the number of coefficients that the step size follows from */
+#define PK_TAYLOR_MARGIN PK_C(2.885390) /* log2 of e^2 */
+
+/* The work memory: the order, log2 r, then the coefficients, m = n_q + n numbers for each order. */
 static inline int pk_taylor_order(const struct pk_integrator *it) { return (int)it->own->work[0]; }
-static inline pk_real *pk_taylor_c(const struct pk_integrator *it) { return it->own->work + 1; }
+static inline pk_real *pk_taylor_c(const struct pk_integrator *it) { return it->own->work + 2; }
 
 /* Returns the logarithm to base 2 of x > 0, wrong by at most 0.01; for x = 0, or tiny x, a number
  * below -1000. */
@@ -62,20 +66,32 @@ static inline pk_real pk_coarse_exp2(pk_real x)
 static PK_INLINE pk_real pk_taylor_reach(const struct pk_integrator *it, const pk_real *c,
                                          int order, size_t m)
 {
-    const pk_real *last = c + (size_t)order * m, *before = last - m;
-    const pk_real p = (pk_real)order, e = PK_C(1.442695); /* log2 of e */
-    pk_real a = 0, b = 0, sum = 0;
+    const pk_real *last = c + (size_t)order * m, p = (pk_real)order, log_r = it->own->work[1];
+    pk_real most[PK_TAYLOR_LAST] = {0}, sum = 0, x = PK_C(-1e4);
     for (size_t i = 0; i < m; i++) {
         const pk_real scale = 1 / pk_tolerance(it, i, c[i], c[i]);
-        const pk_real x = pk_abs(before[i]) * scale, y = pk_abs(last[i]) * scale;
-        a = pk_max(a, x);
-        b = pk_max(b, y);
-        sum += x + y;
+        for (size_t j = 0; j < PK_TAYLOR_LAST; j++) {
+            const pk_real y = pk_abs(*(last - j * m + i)) * scale;
+            most[j] = pk_max(most[j], y);
+            sum += y;
+        }
     }
     if (!pk_finite(sum))
         return 0;
-    const pk_real x = pk_coarse_log2(a) / (p - 1), y = (pk_coarse_log2(b) + 2 * e) / p;
-    return pk_coarse_exp2(pk_min(PK_C(1000.0), -pk_max(x, y) - PK_C(0.7) * e / (p - 1)));
+    for (int j = 0; j < PK_TAYLOR_LAST; j++)
+        x = pk_max(x, (pk_coarse_log2(most[j]) + PK_TAYLOR_MARGIN + (pk_real)j * log_r) /
+                          (p - (pk_real)j));
+    return pk_coarse_exp2(pk_min(PK_C(1000.0), -x - 1 / (p - 1)));
+}
+
+/* Returns a b + c, by one instruction where the processor has it. */
+static PK_INLINE pk_real pk_taylor_add(pk_real a, pk_real b, pk_real c)
+{
+#if defined PK_PORTABLE || defined PK_LONG_DOUBLE || defined PK_FLOAT128 || !defined FP_FAST_FMA
+    return a * b + c;
+#else
+    return PK_F(fma)(a, b, c);
+#endif
 }
 
 /* Returns number i of the polynomial, without its coefficient 0, at the time s after the start. The
@@ -90,10 +106,10 @@ static PK_INLINE pk_real pk_taylor_tail(const pk_real *c, size_t m, int order, p
         at -= m;
     }
     for (int k = order / 2; k > 0; k--, at -= 2 * m) {
-        even = s2 * (even + at[0]);
-        odd = s2 * odd + *(at - m);
+        even = pk_taylor_add(s2, even, at[0]);
+        odd = pk_taylor_add(s2, odd, *(at - m));
     }
-    return even + s * odd;
+    return s2 * even + s * odd;
 }
 
 #endif
