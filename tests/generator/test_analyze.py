@@ -35,7 +35,7 @@ def test_a_plain_system_has_every_fact():
     ("change", "gone"),
     [
         (dict(potential="k*x*cos(3*t)"), {"autonomous", "conservative"}),
-        (dict(potential="k*x*u", inputs=("u",)), {"autonomous", "conservative"}),
+        (dict(potential="k*x*u", inputs=("u",)), {"autonomous", "conservative", "series"}),
         (dict(dissipation="k/2*x'^4"), {"separable", "conservative", "variational"}),
         (dict(forces={"x": "-k*x^3"}), {"conservative", "variational"}),
         (dict(forces={"x": "t"}), {"autonomous", "conservative", "variational"}),

@@ -14,7 +14,7 @@ TABLE = {
     GREEN: "gsl_rk8pd blanes_moan4 rk4 lobatto2 boris lie_midpoint",
     PURPLE: "dop853 rk3 gauss1 kahan_li6 lobatto3 rattle4 gsl_bsimp",
     ORANGE: "rkmk8 radau9 euler respa4 lie_midpoint6 gsl_msadams stochastic_verlet",
-    SKY: "gauss3 blanes_moan6 gauss8 rkmk4 mclachlan4 boris4",
+    SKY: "gauss3 blanes_moan6 gauss8 rkmk4 mclachlan4 boris4 taylor",
     BLACK: "gauss4 gauss6 yoshida6 symplectic_euler adaptive_verlet lie_midpoint4 radau baoab",
     BROWN: "gauss5 gauss7 kahan_li8 radau5 suzuki4 exponential heun",
 }
