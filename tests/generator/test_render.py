@@ -113,7 +113,7 @@ def test_system_table_names_every_kernel(files):
     for struct, field in parts.items():
         fields |= {f"{field}.{member}" for member in _members(header, struct)}
     told = {"defaults", "derive", "prepare", "bounds", "start", "lanes", "members"}
-    told |= {"jet", "jet_fast"}  # only if asked for
+    told |= {"jet"}  # only if asked for
     told |= {f"{part}.{x}" for part in ("singularities", "switches") for x in ("count", "place")}
     told |= {field for field in fields if field.startswith("families.")}
     of_loops = ("count", "rates", "spread", "pull", "factor", "solve", "shares")
