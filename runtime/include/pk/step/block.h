@@ -23,8 +23,8 @@ struct pk_block {
     /* start time, end time and size of the step of each lane */
     pk_real from[PK_BLOCK_MOST], end[PK_BLOCK_MOST], h[PK_BLOCK_MOST];
     int have_a; /* 1: the first acceleration or stage of the step is known */
+    int order;  /* of Taylor coefficients, which `work` then has */
     unsigned long long failed, not_finite; /* bit masks of lanes in the current step */
-    int order;                             /* of Taylor coefficients, which `work` then has */
 };
 
 PK_BEGIN
