@@ -77,6 +77,19 @@ def test_members_in_lanes_are_single_runs(seed, tmp_path):
             assert numpy.array_equal(of, alone[name].ravel()), (name, member)
 
 
+@pytest.mark.parametrize("seed", seeds(range(6), turning=2))
+def test_derivatives_of_runs(seed, tmp_path):
+    path, by = tmp_path / "drawn.lag", ["k", "q0", "q0'"]
+    path.write_text(drawn(random.Random(seed)))
+    model = pkgen.load(path)
+    found, exact = (
+        model.run(until=2, every=1, method=method, rtol=1e-11, sensitivity=by).sensitivity
+        for method in ("taylor", "dop853")
+    )
+    for name in by:
+        assert found["q0", name] == pytest.approx(exact["q0", name], rel=1e-6, abs=1e-7), name
+
+
 LINEAR = "model spring\ncoord x\nkinetic x'^2/2\npotential x^2/2\nstart x = 1\n"
 
 

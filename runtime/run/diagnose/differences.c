@@ -19,7 +19,9 @@ struct pk_options differences_options(const struct pk_run *run, pk_real h)
     options.max_steps = 0;
     if (!pk_is_fixed(run->settings.method)) {
         options.h_max = h;
-        options.rtol = options.atol = PK_C(1e10); /* no error is too large */
+        options.atol = PK_C(1e10);                     /* no error is too large */
+        if (!(run->settings.method->traits & PK_JETS)) /* whose order follows from rtol */
+            options.rtol = options.atol;
         options.newton_tol = 8 * PK_EPSILON;
     }
     return options;
