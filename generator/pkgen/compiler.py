@@ -198,7 +198,7 @@ def stages(
     from .back.c import lower, render  # late: `pkgen check` does not need it
 
     method = known(declared.methods).get(plan.method)
-    jets = jets or (method is not None and "jets" in method.traits)
+    jets = jets or plan.jets or (method is not None and "jets" in method.traits)
     how = {"libm": libm or plain, "kept": kept, "plain": plain, "jets": jets}
     with _no_collection(), _in_range(model):
         each = [lower.lower(*x, of, **how) for x, of in zip(in_c, of_each, strict=True)]

@@ -46,12 +46,14 @@ DEFAULTS = RunNumbers(until=UNTIL, rtol=RTOL)
 @record
 class CompilePlan:
     """The kernels to compile (None: all), the method of the planned run ("": no run is planned),
-    the origin of the method, and the numbers from options."""
+    the origin of the method, the numbers from options, and whether `jet` is compiled beside the
+    kernels of the method."""
 
     kernels: frozenset[str] | None = None
     method: str = ""
     source: str = DEFAULT
     numbers: RunNumbers = RunNumbers()
+    jets: bool = False
 
 
 @record

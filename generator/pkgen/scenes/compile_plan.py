@@ -193,6 +193,10 @@ class RunUse(SceneUse):
             return None
         return self.of_method(used, scene, plan, made) | self._of_driver(scene, made)
 
+    def plan(self, used: Model, made: Made | None) -> CompilePlan:
+        found = super().plan(used, made)
+        return replace(found, jets=promised(found, self.chosen(used)) is not None)
+
     def _of_driver(self, scene: Scene, made: Made | None) -> frozenset[str]:
         """Returns the kernels that a run calls outside its method: for drifts, energy, checks of
         M."""

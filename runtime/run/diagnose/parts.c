@@ -113,6 +113,8 @@ const char *diagnose_no_variation(const struct pk_run *run)
     const struct pk_system *system = run->problem.system;
     if (run->settings.method->needs & PK_FAST)
         return "the fast forces by which this method goes have no derivatives here: take another";
+    if (run->settings.method->traits & PK_JETS)
+        return "there are no Taylor coefficients of the linearised equations: take dop853 or gauss";
     if (!system->linear)
         return "the system has no kernel linear: it was left out, or its families are kept as "
                "loops";

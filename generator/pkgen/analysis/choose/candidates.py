@@ -34,6 +34,8 @@ STIFF = "dissipative: where that is stiff, steps need not follow it"
 TABLE = (
     Row("exponential", LAND, "the equations are linear: each step is exact"),
     Row("gauss", LAND, "smooth: its error falls with the 16th power of the step"),
+    Row("taylor", LAND, "tight accuracies: its order follows from them"),
+    Row("taylor", DENSE, "rows closer than its steps"),
     Row("dop853", LAND, "loose accuracies, and motions with kinks"),
     Row("dop853", DENSE, "rows closer than its steps"),
     Row("dopri5", DENSE, "rows closer than its steps, loose accuracies"),
