@@ -145,7 +145,7 @@ def test_any_name_of_a_model_compiles_or_is_refused(tmp_path: Path) -> None:
     looped = (ROOT / "tests/golden/fput.h").read_text() + (ROOT / "tests/golden/fput.c").read_text()
     endings = set(re.findall(r"\bzoo(_\w+)", files["zoo.h"] + files["zoo.c"]))
     endings |= set(re.findall(r"\bfput(_[A-Za-z]\w*)", looped))
-    assert len(endings) > 100 and {"_start", "_H", "_step_q", "_max"} & endings
+    assert len(endings) > 80 and {"_start", "_H", "_step_q", "_max"} & endings
     functions = set(re.findall(r"\b(\w+) ?\(", preprocessed("gcc") + preprocessed("gcc", "-dM")))
     known = {x for x in macros() | functions if not x.startswith("_")}
     mine = set()
