@@ -319,6 +319,8 @@ def _why_not(compilation: Compilation, method: Method | None, item: dict) -> str
         return f"it takes no constraints that hold at times, such as {at_times[0]}"
     if "linear" in item["flags"] and compilation.equations.linear is None:
         return "it needs the derivatives of the acceleration, which so many coordinates are without"
+    if "jets" in item["flags"] and not compilation.program.jet:
+        return "its Taylor coefficients are compiled only for a scene or an option that names it"
     if not compilation.equations.dense:
         for flag, kernels in _NOT_OF_LOOPS.items():
             if flag in item["flags"]:
