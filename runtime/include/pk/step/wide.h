@@ -13,6 +13,7 @@
 #include <immintrin.h>
 #endif
 
+#pragma GCC diagnostic ignored "-Wpsabi" /* all functions here are inlined */
 #define PK_WIDE 4
 typedef pk_real pk_wide __attribute__((vector_size(PK_WIDE * sizeof(pk_real))));
 #ifdef PK_FLOAT
@@ -30,15 +31,25 @@ static inline pk_wide pk_wide_at(const pk_real *x)
 }
 static inline void pk_wide_put(pk_real *to, pk_wide x) { memcpy(to, &x, sizeof x); }
 
-/* Returns a b + c, rounded as PK_JET_ADD of the generated C. */
+#ifdef PK_FLOAT
+#define PK_WIDE_X86(name) _mm_##name##_ps
+#else
+#define PK_WIDE_X86(name) _mm256_##name##_pd
+#endif
+
+/* Returns a b + c, rounded as by PK_JET_ADD of the generated C. */
 static inline pk_wide pk_wide_add(pk_wide a, pk_wide b, pk_wide c)
 {
-#if !defined __FMA__ || !defined __AVX__ || defined PK_PORTABLE
+#if defined PK_PORTABLE
     return a * b + c;
-#elif defined PK_FLOAT
-    return _mm_fmadd_ps(a, b, c);
+#elif defined __FMA__ && defined __AVX__
+    return PK_WIDE_X86(fmadd)(a, b, c);
+#elif !(defined PK_FLOAT ? defined FP_FAST_FMAF : defined FP_FAST_FMA)
+    return a * b + c;
 #else
-    return _mm256_fmadd_pd(a, b, c);
+    for (int l = 0; l < PK_WIDE; l++)
+        a[l] = PK_F(fma)(a[l], b[l], c[l]);
+    return a;
 #endif
 }
 
