@@ -155,6 +155,8 @@ TEST("every method")
         double worst = 0, line = 0, ends = 0;
         const struct pk_method *method = pk_method_at(i);
         CU_ASSERT(!method->dense == !(method->traits & PK_DENSE));
+        if (method->traits & PK_JETS) /* tests/runs/test_taylor.py */
+            continue;
         for (size_t k = 0; method->dense && k < sizeof systems / sizeof *systems; k++) {
             fixture_set(&f, systems[k]);
             f.options.h = 0.02;
